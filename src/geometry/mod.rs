@@ -1,0 +1,8 @@
+//! Vectors, local frames of a yarn's surface, and grids on the sphere with exact solid angles.
+
+mod frame;
+
+pub use frame::Frame;
+
+/// Vector in double precision, mm for positions, unit length for directions.
+pub type Vec3 = nalgebra::Vector3<f64>;

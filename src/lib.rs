@@ -1,0 +1,7 @@
+//! Spectral validation of physically based cloth models.
+//!
+//! Data flows one way: spectra → medium → yarn → radiance factor → cloth → rig → colour → comparison → report.
+//! A module uses the ones listed before it and never one listed after it.
+
+pub mod geometry;
+pub mod spectrum;
