@@ -1,0 +1,4 @@
+//! Optics of one interface, one particle and one medium.
+
+pub mod fresnel;
+pub mod phase;
