@@ -6,3 +6,4 @@
 pub mod geometry;
 pub mod optics;
 pub mod spectrum;
+pub mod study;
