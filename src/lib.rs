@@ -4,6 +4,7 @@
 //! A module uses the ones listed before it and never one listed after it.
 
 pub mod colour;
+pub mod compare;
 pub mod geometry;
 pub mod sample;
 pub mod spectrum;
