@@ -3,5 +3,6 @@
 //! Data flows one way: spectra → medium → yarn → radiance factor → cloth → rig → colour → comparison → report.
 //! A module uses the ones listed before it and never one listed after it.
 
+pub mod cloth;
 pub mod geometry;
 pub mod spectrum;
