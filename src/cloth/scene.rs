@@ -3,7 +3,7 @@ use super::{CentreLine, ClothError, ClothSpec, Draft, System, interpenetration};
 use crate::geometry::{Frame, Vec3};
 use bvh::aabb::{Aabb, Bounded};
 use bvh::bounding_hierarchy::BHShape;
-use bvh::bvh::Bvh;
+use bvh::bvh::{Bvh, BvhNode};
 use nalgebra::Point3;
 use std::ops::ControlFlow;
 
@@ -16,6 +16,10 @@ const MAX_CELLS: usize = 1 << 20;
 
 /// Width, as a fraction of the cell, of the seam in which neighbouring cells both hold a facet. Covers rounding.
 const SEAM: f64 = 1e-9;
+
+/// Widening of the boxes as a fraction of the cell's extent, more than what single precision can lose in a box test
+/// inside the cell: four roundings of 6e-8.
+const BOX_MARGIN: f64 = 5e-7;
 
 /// One physical yarn of the endless cloth. A yarn is the same all along itself; its copy one cell sideways is another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -54,9 +58,10 @@ struct Facet {
 }
 
 /// Node of the hierarchy in depth-first order: a ray that meets the box goes on at the next node, any other at `skip`.
+/// Boxes are in single precision, widened by [`BOX_MARGIN`]: half the memory to walk through.
 struct Node {
-    low: Vec3,
-    high: Vec3,
+    low: [f32; 3],
+    high: [f32; 3],
     skip: u32,
     /// `u32::MAX` in an inner node.
     facet: u32,
@@ -70,7 +75,9 @@ pub struct Cloth {
     slab_mm: [f64; 2],
     vertices: Vec<Vertex>,
     facets: Vec<Facet>,
-    nodes: Vec<Node>,
+    /// The hierarchy, once for each octant of directions: [`octant`] of a ray picks the order that meets near facets
+    /// first, so that their distances prune the rest.
+    orders: [Vec<Node>; 8],
 }
 
 impl Cloth {
@@ -96,7 +103,7 @@ impl Cloth {
         ];
         let top_mm = (warps[0].crest_mm() + spec.warp_radius_mm).max(wefts[0].crest_mm() + spec.weft_radius_mm);
         let facets = facets_of_cell(&mesh, cell_mm);
-        let nodes = hierarchy(&facets);
+        let orders = hierarchy(&facets);
         let slab_mm = mesh
             .vertices
             .iter()
@@ -109,7 +116,7 @@ impl Cloth {
             slab_mm,
             vertices: mesh.vertices,
             facets,
-            nodes,
+            orders,
         })
     }
 
@@ -186,7 +193,7 @@ impl Cloth {
     /// ray moved into the first cell and restarted where it enters that slab, and the distance at which it leaves the
     /// cell. Every facet that reaches into a cell is stored with it, so the first cell with a hit has the nearest one.
     fn walk(&self, origin: &Vec3, direction: &Vec3, mut visit: impl FnMut(&Ray, Cell, f64) -> ControlFlow<()>) {
-        let inverse = direction.map(finite_inverse);
+        let inverse = direction.map(|x| finite_inverse(x, 1e-200));
         let [bottom, top] = self.slab_mm.map(|z| (z - origin.z) * inverse.z);
         let entry = bottom.min(top).max(0.0);
         let exit = bottom.max(top) - entry;
@@ -210,7 +217,6 @@ impl Cloth {
             let ray = Ray {
                 origin: start - shift,
                 direction: *direction,
-                inverse,
             };
             let cell = Cell {
                 entry,
@@ -232,9 +238,14 @@ impl Cloth {
         limit: &mut f64,
         mut meet: impl FnMut(&'a Facet, Meeting, &mut f64) -> ControlFlow<()>,
     ) {
+        let nodes = &self.orders[octant(&ray.direction)];
+        let boxed = BoxRay {
+            origin: ray.origin.map(|x| x as f32).into(),
+            inverse: ray.direction.map(|x| finite_inverse(x, 1e-30) as f32).into(),
+        };
         let mut at = 0;
-        while let Some(node) = self.nodes.get(at) {
-            if !ray.meets_box(&node.low, &node.high, *limit) {
+        while let Some(node) = nodes.get(at) {
+            if !boxed.meets(node, *limit as f32) {
                 at = node.skip as usize;
                 continue;
             }
@@ -316,7 +327,7 @@ impl BHShape<f64, 3> for BoxedFacet {
     }
 }
 
-fn hierarchy(facets: &[Facet]) -> Vec<Node> {
+fn hierarchy(facets: &[Facet]) -> [Vec<Node>; 8] {
     let mut shapes: Vec<BoxedFacet> = facets
         .iter()
         .map(|facet| {
@@ -329,29 +340,57 @@ fn hierarchy(facets: &[Facet]) -> Vec<Node> {
             }
         })
         .collect();
-    let flat = Bvh::build(&mut shapes).flatten();
-    // The crate writes a leaf as a node with the box followed by one with the facet; here they are one.
-    let is_leaf = |k: usize| flat.get(k).is_some_and(|node| node.is_leaf());
-    let mut place = Vec::with_capacity(flat.len() + 1);
-    let mut kept = 0u32;
-    for k in 0..flat.len() {
-        place.push(kept);
-        kept += u32::from(!is_leaf(k));
+    let tree = Bvh::build(&mut shapes).nodes;
+    let everything = shapes.iter().fold(Aabb::empty(), |all, shape| all.join(&shape.bounds));
+    let margin = BOX_MARGIN * everything.size().sum();
+    std::array::from_fn(|octant| {
+        let mut nodes = Vec::with_capacity(tree.len());
+        let diagonal = Vec3::from_fn(|k, _| if octant >> k & 1 == 1 { -1.0 } else { 1.0 });
+        flatten(&tree, 0, &everything, &diagonal, margin, &mut nodes);
+        nodes
+    })
+}
+
+/// Which signs a direction has: bit k is set where component k is negative.
+fn octant(direction: &Vec3) -> usize {
+    (0..3).map(|k| usize::from(direction[k] < 0.0) << k).sum()
+}
+
+/// Writes the subtree in depth-first order, of two children the one first that a ray along `direction` meets first.
+fn flatten(
+    tree: &[BvhNode<f64, 3>],
+    at: usize,
+    bounds: &Aabb<f64, 3>,
+    direction: &Vec3,
+    margin: f64,
+    nodes: &mut Vec<Node>,
+) {
+    let place = nodes.len();
+    nodes.push(Node {
+        low: [0, 1, 2].map(|k| (bounds.min[k] - margin) as f32),
+        high: [0, 1, 2].map(|k| (bounds.max[k] + margin) as f32),
+        skip: 0,
+        facet: u32::MAX,
+    });
+    match &tree[at] {
+        BvhNode::Leaf { shape_index, .. } => nodes[place].facet = *shape_index as u32,
+        BvhNode::Node {
+            child_l_index,
+            child_l_aabb,
+            child_r_index,
+            child_r_aabb,
+            ..
+        } => {
+            let mut children = [(*child_l_index, child_l_aabb), (*child_r_index, child_r_aabb)];
+            if (child_r_aabb.center() - child_l_aabb.center()).dot(direction) < 0.0 {
+                children.reverse();
+            }
+            for (child, child_bounds) in children {
+                flatten(tree, child, child_bounds, direction, margin, nodes);
+            }
+        }
     }
-    place.push(kept);
-    (0..flat.len())
-        .filter(|&k| !is_leaf(k))
-        .map(|k| Node {
-            low: flat[k].aabb.min.coords,
-            high: flat[k].aabb.max.coords,
-            skip: place[flat[k].exit_index as usize],
-            facet: if is_leaf(k + 1) {
-                flat[k + 1].shape_index
-            } else {
-                u32::MAX
-            },
-        })
-        .collect()
+    nodes[place].skip = nodes.len() as u32;
 }
 
 /// Place of a visited cell in the endless cloth.
@@ -382,31 +421,34 @@ struct Meeting {
 struct Ray {
     origin: Vec3,
     direction: Vec3,
-    inverse: Vec3,
 }
 
-/// 1/x, kept finite: slab tests then never meet 0 · ∞.
-fn finite_inverse(x: f64) -> f64 {
-    if x.abs() < 1e-200 {
-        1e200f64.copysign(x)
-    } else {
-        1.0 / x
-    }
+/// A ray as the box test wants it.
+struct BoxRay {
+    origin: [f32; 3],
+    inverse: [f32; 3],
 }
 
-impl Ray {
-    fn meets_box(&self, low: &Vec3, high: &Vec3, limit: f64) -> bool {
+/// 1/x, kept finite below the smallest x told apart from 0: slab tests then never meet 0 · ∞.
+fn finite_inverse(x: f64, smallest: f64) -> f64 {
+    1.0 / x.abs().max(smallest).copysign(x)
+}
+
+impl BoxRay {
+    fn meets(&self, node: &Node, limit: f32) -> bool {
         let (mut near, mut far) = (0.0, limit);
         for k in 0..3 {
-            let a = (low[k] - self.origin[k]) * self.inverse[k];
-            let b = (high[k] - self.origin[k]) * self.inverse[k];
+            let a = (node.low[k] - self.origin[k]) * self.inverse[k];
+            let b = (node.high[k] - self.origin[k]) * self.inverse[k];
             let (first, last) = if a < b { (a, b) } else { (b, a) };
             near = if first > near { first } else { near };
             far = if last < far { last } else { far };
         }
         near <= far
     }
+}
 
+impl Ray {
     /// Nearer meeting with the facet's two triangles, from either side, in [0, limit].
     fn meets_facet(&self, corners: &[Vec3; 4], limit: f64) -> Option<Meeting> {
         let first = self.meets_triangle(corners, [0, 1, 2], limit);
