@@ -5,4 +5,6 @@
 
 pub mod cloth;
 pub mod geometry;
+pub mod rig;
+pub mod shading;
 pub mod spectrum;

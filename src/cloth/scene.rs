@@ -7,8 +7,8 @@ use bvh::bvh::{Bvh, BvhNode};
 use nalgebra::Point3;
 use std::ops::ControlFlow;
 
-/// More facets than this would take gigabytes.
-const MAX_FACETS: usize = 10_000_000;
+/// A facet takes some 700 bytes with its share of the hierarchy.
+const MAX_FACETS: usize = 2_000_000;
 
 /// A ray in the cloth's plane may run for ever through a channel of the weave. After this many cells it counts as
 /// escaped; at 89.99° to the normal a ray crosses only some thousands.
