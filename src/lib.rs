@@ -13,3 +13,4 @@ pub mod sample;
 pub mod shading;
 pub mod spectrum;
 pub mod study;
+pub mod transport;
