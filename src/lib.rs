@@ -4,4 +4,5 @@
 //! A module uses the ones listed before it and never one listed after it.
 
 pub mod geometry;
+pub mod report;
 pub mod spectrum;
