@@ -4,5 +4,6 @@
 //! A module uses the ones listed before it and never one listed after it.
 
 pub mod geometry;
+pub mod optics;
 pub mod report;
 pub mod spectrum;

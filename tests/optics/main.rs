@@ -1,0 +1,5 @@
+//! The optics against outside references and laws.
+
+mod mie;
+mod reference;
+mod structure_factor;
