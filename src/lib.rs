@@ -3,7 +3,9 @@
 //! Data flows one way: spectra → medium → yarn → radiance factor → cloth → rig → colour → comparison → report.
 //! A module uses the ones listed before it and never one listed after it.
 
+pub mod colour;
 pub mod geometry;
 pub mod optics;
 pub mod report;
+pub mod sample;
 pub mod spectrum;

@@ -11,5 +11,6 @@ fn main() -> ExitCode {
     let terminal = Terminal::new(&options);
     cli::exit(terminal.start_threads(&options).and_then(|()| match command {
         Command::Mie(arguments) => cli::mie::run(&arguments, &terminal),
+        Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),
     }))
 }

@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done, 2 bad input, with the reason on stderr. A reader that closes stdout early is no error.
 
+pub mod colour;
 pub mod mie;
 mod terminal;
 
@@ -24,6 +25,8 @@ pub struct TypedCommand {
 pub enum Command {
     /// Mie scattering of one sphere: efficiencies and amplitudes.
     Mie(mie::Arguments),
+    /// Colours of spectra: XYZ, linear RGB and Lab.
+    Colour(colour::Arguments),
 }
 
 /// Options of every subcommand.

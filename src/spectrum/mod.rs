@@ -1,11 +1,19 @@
-//! Wavelength grids, spectra (functions of wavelength) and samples (values on a grid).
+//! Wavelength grids, spectra (functions of wavelength), samples (values on a grid) and the tables they come from.
 
+mod csv_table;
+mod file;
 mod function;
 mod grid;
+mod naming;
 mod samples;
+pub mod tables;
 
+pub use csv_table::CsvError;
+pub(crate) use csv_table::CsvTable;
+pub use file::{read_csv_spectra, read_csv_spectrum};
 pub use function::Spectrum;
 pub use grid::WavelengthGrid;
+pub use naming::UnknownName;
 pub use samples::Samples;
 
 /// What is wrong with a grid, a spectrum or a table of them.
@@ -34,13 +42,10 @@ pub enum SpectrumError {
         wavelength_nm: f64,
         found: f64,
     },
-    #[error("{name}: there is no such table; known: {known}")]
-    UnknownTable { name: String, known: String },
-    #[error("{name}, line {line}: expected {expected}, found {found}")]
-    Table {
-        name: String,
-        line: u64,
-        expected: String,
-        found: String,
-    },
+    #[error(transparent)]
+    UnknownTable(#[from] UnknownName),
+    #[error(transparent)]
+    Csv(#[from] Box<CsvError>),
+    #[error("{path}: cannot be read: {reason}")]
+    Read { path: String, reason: String },
 }

@@ -1,0 +1,73 @@
+//! From a spectral brightness factor to XYZ, linear RGB and Lab: one conversion for model, classical shading and
+//! measurement.
+
+mod convention;
+mod difference;
+mod rgb_space;
+mod system;
+
+pub use convention::{Adaptation, Convention, Illuminant, Observer, RgbSpace};
+pub use difference::delta_e_2000;
+pub use system::ColourSystem;
+
+use serde::Serialize;
+
+use crate::spectrum::SpectrumError;
+
+/// CIE tristimulus values, dimensionless; the perfect diffuser has Y = 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Xyz {
+    #[serde(rename = "X")]
+    pub x: f64,
+    #[serde(rename = "Y")]
+    pub y: f64,
+    #[serde(rename = "Z")]
+    pub z: f64,
+}
+
+/// Red, green, blue of a linear (not gamma-encoded) RGB space, dimensionless, never clipped: saturated colours have
+/// negative components.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LinearRgb(pub [f64; 3]);
+
+/// CIE 1976 L*, a*, b* against the white of the [`ColourSystem`]; the perfect diffuser is (100, 0, 0).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Lab(pub [f64; 3]);
+
+/// One spectrum seen under one convention.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Colour {
+    #[serde(flatten)]
+    pub xyz: Xyz,
+    pub linear_rgb: LinearRgb,
+    pub lab: Lab,
+    pub in_gamut: bool,
+}
+
+impl LinearRgb {
+    /// Whether the RGB space holds this chromaticity: no component is negative. Components above 1 (gloss brighter
+    /// than the perfect diffuser) are a matter of exposure, not of gamut.
+    pub fn in_gamut(self) -> bool {
+        self.0.iter().all(|&component| component >= 0.0)
+    }
+}
+
+/// Why there is no colour conversion for a grid.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ColourError {
+    /// The grid leaves the observer's or the illuminant's table.
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+    #[error(
+        "on {low}..{high} nm under {convention} the perfect diffuser has X, Y, Z = {x}, {y}, {z}; all must be positive \
+         to speak of colour: take a grid that spans the visible, such as 390..730 nm"
+    )]
+    Blind {
+        low: f64,
+        high: f64,
+        convention: Convention,
+        x: f64,
+        y: f64,
+        z: f64,
+    },
+}

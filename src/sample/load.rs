@@ -1,0 +1,139 @@
+use std::fmt::Write;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use super::data::{self, Data};
+use super::{Description, PublishedRatios, Sample, SampleError, Uncertainty};
+use crate::spectrum::UnknownName;
+
+struct BuiltIn {
+    name: &'static str,
+    description: &'static str,
+    data: &'static str,
+}
+
+macro_rules! built_in {
+    ($name:literal) => {
+        BuiltIn {
+            name: $name,
+            description: include_str!(concat!("../../measurements/", $name, "/sample.toml")),
+            data: include_str!(concat!("../../measurements/", $name, "/data.csv")),
+        }
+    };
+}
+
+const BUILT_IN: [BuiltIn; 3] = [
+    built_in!("merl-red-fabric"),
+    built_in!("merl-red-fabric2"),
+    built_in!("voloboy2008-cotton"),
+];
+
+/// Table 1 of the preprint: ratios of the real cotton and the range of its model.
+pub fn published_ratios() -> Result<PublishedRatios, SampleError> {
+    let cotton = &BUILT_IN[2];
+    Ok(data::ratios(cotton.name, cotton.data.as_bytes())?)
+}
+
+impl Sample {
+    /// A built-in sample by name, else a folder with `sample.toml` and `data.csv`, else a bare CSV file. A folder that
+    /// has the name of a built-in sample is reached as `./name`.
+    ///
+    /// The data are spectral, with the columns `theta_i_deg,theta_v_deg,wavelength_nm,beta` and perhaps `beta_se`, or
+    /// RGB, `theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b` and perhaps `beta_r_se,beta_g_se,beta_b_se`; angles in
+    /// degrees, theta_v_deg negative on the light's side of the normal; β dimensionless, 1 for a perfect diffuser.
+    pub fn load(name_or_path: &str) -> Result<Self, SampleError> {
+        if let Some(known) = BUILT_IN.iter().find(|sample| sample.name == name_or_path) {
+            let toml = format!("measurements/{}/sample.toml", known.name);
+            let csv = format!("measurements/{}/data.csv", known.name);
+            return Self::new(describe(&toml, known.description)?, &csv, known.data.as_bytes());
+        }
+        let path = Path::new(name_or_path);
+        if path.is_dir() {
+            let member = |name: &'static str| {
+                let member = path.join(name);
+                if member.exists() {
+                    Ok(member)
+                } else {
+                    Err(SampleError::Incomplete {
+                        folder: name_or_path.into(),
+                        missing: name,
+                    })
+                }
+            };
+            let (toml, csv) = (member("sample.toml")?, member("data.csv")?);
+            let text = String::from_utf8(read(&toml)?).map_err(|e| SampleError::Description {
+                path: toml.display().to_string(),
+                message: format!("expected text in UTF-8: {e}"),
+            })?;
+            let description = describe(&toml.display().to_string(), &text)?;
+            Self::new(description, &csv.display().to_string(), &read(&csv)?)
+        } else if path.exists() {
+            let stem = path.file_stem().unwrap_or(path.as_os_str());
+            let description = Description {
+                name: stem.to_string_lossy().into_owned(),
+                source: name_or_path.into(),
+                licence: "not stated".into(),
+                kind: None,
+                relative_standard_uncertainty: None,
+                colour: None,
+            };
+            Self::new(description, name_or_path, &read(path)?)
+        } else {
+            let known = BUILT_IN.iter().map(|sample| sample.name);
+            Err(SampleError::Unknown(UnknownName::new("sample", name_or_path, known)))
+        }
+    }
+
+    pub fn built_in_names() -> impl Iterator<Item = &'static str> {
+        BUILT_IN.iter().map(|sample| sample.name)
+    }
+
+    pub fn uncertainty(&self) -> Uncertainty {
+        match (&self.data, self.description.relative_standard_uncertainty) {
+            (Data::Curves(curves), _) if curves.has_se() => Uncertainty::Columns,
+            (Data::Curves(_), Some(relative)) => Uncertainty::Relative(relative),
+            _ => Uncertainty::NotStated,
+        }
+    }
+
+    fn new(description: Description, path: &str, bytes: &[u8]) -> Result<Self, SampleError> {
+        let mut digest = String::new();
+        for byte in Sha256::digest(bytes) {
+            // Writing to a string cannot fail.
+            let _ = write!(digest, "{byte:02x}");
+        }
+        let data = data::parse(path, bytes, description.relative_standard_uncertainty)?;
+        Ok(Self {
+            description,
+            data,
+            digest,
+        })
+    }
+}
+
+fn describe(path: &str, text: &str) -> Result<Description, SampleError> {
+    let refuse = |message: String| SampleError::Description {
+        path: path.into(),
+        message,
+    };
+    let description: Description = toml::from_str(text).map_err(|e| refuse(e.to_string()))?;
+    if description.kind.is_none() {
+        return Err(refuse(
+            "kind is missing: expected \"measured\", \"fit\" or \"synthetic\"".into(),
+        ));
+    }
+    match description.relative_standard_uncertainty {
+        Some(u) if !(0.0..1.0).contains(&u) => Err(refuse(format!(
+            "relative_standard_uncertainty: expected a fraction of the value, 0 up to 1, found {u}; 5 % is 0.05"
+        ))),
+        _ => Ok(description),
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, SampleError> {
+    std::fs::read(path).map_err(|e| SampleError::Read {
+        path: path.display().to_string(),
+        reason: e.to_string(),
+    })
+}

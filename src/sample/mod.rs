@@ -1,0 +1,119 @@
+//! Measured samples: brightness factors β of a cloth over incidence and view, spectral or RGB, with their
+//! uncertainty and where they come from.
+
+mod data;
+mod load;
+mod reading;
+
+pub use data::{PublishedRatios, RatioRange};
+pub use load::published_ratios;
+pub use reading::Reading;
+
+use serde::{Deserialize, Serialize};
+
+use crate::colour::ColourError;
+use crate::spectrum::{CsvError, SpectrumError, UnknownName};
+use data::Data;
+
+/// How the numbers came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Readings of an instrument.
+    Measured,
+    /// A function fitted to readings, evaluated.
+    Fit,
+    /// Made by a computation, for trials.
+    Synthetic,
+}
+
+/// What `sample.toml` says of the data beside it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Description {
+    pub name: String,
+    /// Publication, instrument, or file.
+    pub source: String,
+    pub licence: String,
+    /// None for a bare CSV file, which does not say.
+    pub kind: Option<Kind>,
+    /// Standard uncertainty of each reading relative to its value; used where the data have no `_se` columns.
+    pub relative_standard_uncertainty: Option<f64>,
+    /// What the RGB columns are, in words.
+    pub colour: Option<String>,
+}
+
+/// Where the standard errors of a sample's readings come from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Uncertainty {
+    /// `_se` columns of the data.
+    Columns,
+    /// `relative_standard_uncertainty` of `sample.toml`.
+    Relative(f64),
+    /// Neither is given: every standard error is 0, so a comparison knows only the Monte Carlo error. A report has to
+    /// say so.
+    NotStated,
+}
+
+/// A measured sample, checked as a whole when loaded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    description: Description,
+    data: Data,
+    digest: String,
+}
+
+impl Sample {
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    pub fn name(&self) -> &str {
+        &self.description.name
+    }
+
+    /// SHA-256 of the data file's bytes, hexadecimal.
+    pub fn digest(&self) -> &str {
+        &self.digest
+    }
+
+    /// Colour ratios published without curves; none for a sample with readings.
+    pub fn published_ratios(&self) -> Option<&PublishedRatios> {
+        match &self.data {
+            Data::Ratios(ratios) => Some(ratios),
+            Data::Curves(_) => None,
+        }
+    }
+
+    /// Measured geometries (theta_i_deg, theta_v_deg), ascending.
+    pub fn geometries(&self) -> impl Iterator<Item = (f64, f64)> {
+        let rows = match &self.data {
+            Data::Curves(curves) => curves.rows(),
+            Data::Ratios(_) => &[],
+        };
+        rows.iter().map(|row| (row.theta_i_deg, row.theta_v_deg))
+    }
+}
+
+/// What is wrong with a sample.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SampleError {
+    #[error("{0}; nor is there a file or folder of that name")]
+    Unknown(UnknownName),
+    #[error("{path}: cannot be read: {reason}")]
+    Read { path: String, reason: String },
+    #[error(
+        "{folder}: a sample's folder holds sample.toml and data.csv, there is no {missing}; write it, or name the CSV \
+         file itself"
+    )]
+    Incomplete { folder: String, missing: &'static str },
+    #[error("{path}: {message}")]
+    Description { path: String, message: String },
+    #[error(transparent)]
+    Csv(#[from] Box<CsvError>),
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+    #[error(transparent)]
+    Colour(#[from] ColourError),
+}

@@ -1,0 +1,125 @@
+use super::data::{Axis, Curves, Data, Row};
+use super::{Sample, SampleError};
+use crate::colour::{ColourSystem, Convention, LinearRgb};
+use crate::spectrum::Samples;
+
+/// Brightness factors β of a measured geometry in the channels r, g, b (linear RGB) and y (luminance), dimensionless.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    pub beta: [f64; 4],
+    /// Covariance of the four: y is a linear function of the other three, and channels of a spectral reading share
+    /// its wavelengths.
+    pub covariance: [[f64; 4]; 4],
+    /// Not measured here but linear between the neighbouring view angles. The error of the interpolation itself is not
+    /// in the covariance.
+    pub interpolated: bool,
+}
+
+impl Reading {
+    /// Four channels with unrelated standard errors.
+    pub fn independent(beta: [f64; 4], se: [f64; 4]) -> Self {
+        let mut covariance = [[0.0; 4]; 4];
+        for (channel, se) in se.into_iter().enumerate() {
+            covariance[channel][channel] = se * se;
+        }
+        Self {
+            beta,
+            covariance,
+            interpolated: false,
+        }
+    }
+
+    /// Standard errors of the four channels.
+    pub fn se(&self) -> [f64; 4] {
+        std::array::from_fn(|channel| self.covariance[channel][channel].sqrt())
+    }
+}
+
+impl Sample {
+    /// β at a geometry: as measured, or linear in theta_v_deg between the nearest views of the same incidence
+    /// (flagged), or `None` outside what was measured and for samples of published ratios.
+    ///
+    /// Spectral data go through [`ColourSystem`], y being Y of XYZ; wavelengths err independently. RGB data are taken as
+    /// they stand, y being the luminance they would have in the convention's RGB space: an assumption wherever they
+    /// are camera RGB, and the only use made of the convention for them; channels err independently.
+    pub fn reading(
+        &self,
+        theta_i_deg: f64,
+        theta_v_deg: f64,
+        convention: &Convention,
+    ) -> Result<Option<Reading>, SampleError> {
+        let Data::Curves(curves) = &self.data else {
+            return Ok(None);
+        };
+        let Some((row, interpolated)) = curves.at(theta_i_deg, theta_v_deg) else {
+            return Ok(None);
+        };
+        let (beta, weights) = match curves.axis() {
+            Axis::Rgb => {
+                let rgb = LinearRgb([row.beta[0], row.beta[1], row.beta[2]]);
+                let [r, g, b] = convention.rgb.luminance_row();
+                let weights = vec![[1.0, 0.0, 0.0, r], [0.0, 1.0, 0.0, g], [0.0, 0.0, 1.0, b]];
+                ([rgb.0[0], rgb.0[1], rgb.0[2], convention.rgb.luminance(rgb)], weights)
+            }
+            Axis::Wavelengths(grid) => {
+                let system = ColourSystem::new(grid, *convention)?;
+                let xyz = system.xyz(&row.beta);
+                let [r, g, b] = system.linear_rgb(xyz).0;
+                ([r, g, b, xyz.y], system.channel_weights())
+            }
+        };
+        let mut covariance = [[0.0; 4]; 4];
+        for (w, se) in weights.iter().zip(&row.se) {
+            for (i, line) in covariance.iter_mut().enumerate() {
+                for (j, entry) in line.iter_mut().enumerate() {
+                    *entry += w[i] * w[j] * se * se;
+                }
+            }
+        }
+        Ok(Some(Reading {
+            beta,
+            covariance,
+            interpolated,
+        }))
+    }
+
+    /// β(λ) at a geometry, on the wavelengths of the sample, interpolated as [`Sample::reading`] does; `None` for RGB data.
+    pub fn spectrum(&self, theta_i_deg: f64, theta_v_deg: f64) -> Result<Option<Samples>, SampleError> {
+        let Data::Curves(curves) = &self.data else {
+            return Ok(None);
+        };
+        match (curves.axis(), curves.at(theta_i_deg, theta_v_deg)) {
+            (Axis::Wavelengths(grid), Some((row, _))) => Ok(Some(Samples::new(self.name(), grid, row.beta)?)),
+            _ => Ok(None),
+        }
+    }
+}
+
+impl Curves {
+    /// Values at a geometry, and whether they are interpolated.
+    fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(Row, bool)> {
+        /// Angles in degrees that differ by less are the same angle, written differently.
+        const SAME_DEG: f64 = 1e-9;
+        let rows = || {
+            self.rows()
+                .iter()
+                .filter(|row| (row.theta_i_deg - theta_i_deg).abs() < SAME_DEG)
+        };
+        if let Some(row) = rows().find(|row| (row.theta_v_deg - theta_v_deg).abs() < SAME_DEG) {
+            return Some((row.clone(), false));
+        }
+        let below = rows().rfind(|row| row.theta_v_deg < theta_v_deg)?;
+        let above = rows().find(|row| row.theta_v_deg > theta_v_deg)?;
+        let t = (theta_v_deg - below.theta_v_deg) / (above.theta_v_deg - below.theta_v_deg);
+        let pairs = |a: &[f64], b: &[f64], f: fn(f64, f64, f64) -> f64| {
+            a.iter().zip(b).map(|(a, b)| f(*a, *b, t)).collect::<Vec<_>>()
+        };
+        let row = Row {
+            theta_i_deg,
+            theta_v_deg,
+            beta: pairs(&below.beta, &above.beta, |a, b, t| a + t * (b - a)),
+            se: pairs(&below.se, &above.se, |a, b, t| ((1.0 - t) * a).hypot(t * b)),
+        };
+        Some((row, true))
+    }
+}

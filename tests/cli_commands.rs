@@ -1,0 +1,276 @@
+//! The program as typed: results, exit codes and messages.
+
+use serde_json::Value;
+use std::process::{Command, Output, Stdio};
+
+fn specval(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_specval"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// The document of a run that succeeds and says nothing on stderr.
+fn json(arguments: &[&str]) -> Value {
+    let output = specval(arguments);
+    assert!(
+        output.status.success() && output.stderr.is_empty(),
+        "{}",
+        stderr(&output)
+    );
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The message of a run that refuses its input: exit code 2, nothing on stdout, no panic.
+fn refusal(arguments: &[&str]) -> String {
+    let output = specval(arguments);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    assert!(
+        message.starts_with("error: ") && !message.contains("panicked"),
+        "{message}"
+    );
+    message
+}
+
+#[test]
+fn mie_prints_the_published_sphere() {
+    // Wiscombe's MIEV0 test case 14 in 60-digit arithmetic, tests/data/mie/mie_wiscombe.csv.
+    let sphere = json(&[
+        "mie", "--m-re", "1.5", "--m-im", "1", "--x", "1", "--angles", "0,180", "--json",
+    ]);
+    for (field, expected) in [
+        ("q_ext", 2.33632098467261),
+        ("q_sca", 0.663453761516246),
+        ("q_back", 0.573002555238922),
+        ("g", 0.192136395891886),
+    ] {
+        approx::assert_relative_eq!(sphere[field].as_f64().unwrap(), expected, max_relative = 1e-12);
+    }
+    let amplitude = |name: &str, angle: usize, part: usize| sphere[name][angle][part].as_f64().unwrap();
+    assert_eq!(sphere["angles_deg"], serde_json::json!([0.0, 180.0]));
+    // Optical theorem, and the symmetry forwards and backwards.
+    approx::assert_relative_eq!(
+        4.0 * amplitude("s1", 0, 0),
+        sphere["q_ext"].as_f64().unwrap(),
+        max_relative = 1e-12
+    );
+    for part in 0..2 {
+        approx::assert_relative_eq!(amplitude("s1", 0, part), amplitude("s2", 0, part), max_relative = 1e-12);
+        approx::assert_relative_eq!(
+            amplitude("s1", 1, part),
+            -amplitude("s2", 1, part),
+            max_relative = 1e-12
+        );
+    }
+}
+
+#[test]
+fn options_may_stand_before_or_after_the_subcommand() {
+    let tail = ["mie", "--conducting", "--x", "0.5"];
+    let before = json(
+        &[
+            &["--json", "--threads", "2", "--seed", "7", "--paths", "10", "--quiet"][..],
+            &tail,
+        ]
+        .concat(),
+    );
+    let after = json(&[&tail[..], &["--json"]].concat());
+    assert_eq!(before, after);
+}
+
+#[test]
+fn bad_flags_name_themselves_and_what_was_expected() {
+    for (arguments, expected) in [
+        (
+            &["mie", "--m-re", "-1.5", "--x", "1"][..],
+            &["real part", "> 0", "-1.5"][..],
+        ),
+        (
+            &["mie", "--m-re", "1.5", "--m-im", "-0.1", "--x", "1"],
+            &["imaginary part", ">= 0", "-0.1"],
+        ),
+        (&["mie", "--m-re", "nan", "--x", "1"], &["real part", "NaN"]),
+        (
+            &["mie", "--m-re", "1.5", "--x", "1e9"],
+            &["size parameter", "1e-6", "1e5"],
+        ),
+        (
+            &["mie", "--m-re", "1.5", "--x", "1", "--angles", "0,200"],
+            &["--angles", "200", "degrees", "0 to 180"],
+        ),
+        (
+            &["mie", "--m-re", "1.5", "--x", "1", "--angles", "-5"],
+            &["--angles", "-5", "0 to 180"],
+        ),
+        (&["mie", "--m-re", "1.5", "--x", "one"], &["--x", "one"]),
+        (&["mie", "--x", "1"], &["--m-re"]),
+        (&["mie", "--m-re", "1.5", "--x", "1", "--threads", "0"], &["--threads"]),
+        (&["color"], &["color", "colour"]),
+    ] {
+        let message = refusal(arguments);
+        for part in expected {
+            assert!(message.contains(part), "{arguments:?}: {part} is missing in {message}");
+        }
+    }
+}
+
+#[test]
+fn colour_prints_the_reference_colours() {
+    // tests/data/colour/spectra_test.csv and colour_expected.csv, spectrum 29 under D65 and the 2 degree observer.
+    let spectra = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/colour/spectra_test.csv");
+    let expected = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/colour/colour_expected.csv");
+    let colours = json(&["colour", spectra, "--json"]);
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(expected)
+        .unwrap();
+    let mut compared = 0;
+    for row in reader.deserialize::<std::collections::HashMap<String, String>>() {
+        let row = row.unwrap();
+        if row["illuminant"] != "D65" || row["observer"] != "2deg" {
+            continue;
+        }
+        let colour = colours
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|colour| colour["name"] == row["name"].as_str())
+            .unwrap();
+        let number = |column: &str| row[column].parse::<f64>().unwrap();
+        for (field, column) in [("X", "X"), ("Y", "Y"), ("Z", "Z")] {
+            approx::assert_relative_eq!(
+                colour[field].as_f64().unwrap(),
+                number(column),
+                max_relative = 1e-12,
+                epsilon = 1e-15
+            );
+        }
+        for (index, column) in ["srgb_raw_R", "srgb_raw_G", "srgb_raw_B"].into_iter().enumerate() {
+            let found = colour["linear_rgb"][index].as_f64().unwrap();
+            approx::assert_abs_diff_eq!(found, number(column), epsilon = 1e-12);
+        }
+        for (index, column) in ["L", "a", "b"].into_iter().enumerate() {
+            approx::assert_abs_diff_eq!(colour["lab"][index].as_f64().unwrap(), number(column), epsilon = 1e-10);
+        }
+        let in_gamut = (0..3).all(|index| colour["linear_rgb"][index].as_f64().unwrap() >= 0.0);
+        assert_eq!(colour["in_gamut"], in_gamut);
+        compared += 1;
+    }
+    assert!(compared >= 19, "{compared} spectra compared");
+}
+
+#[test]
+fn colour_flags_change_the_convention() {
+    let scratch = tempfile::tempdir().unwrap();
+    let file = scratch.path().join("white.csv");
+    let rows: String = (0..35).map(|k| format!("{},1\n", 390 + 10 * k)).collect();
+    std::fs::write(&file, format!("wavelength_nm,white\n{rows}")).unwrap();
+    let file = file.to_str().unwrap();
+    let flags = [
+        "--illuminant",
+        "A",
+        "--observer",
+        "cie1964-10deg",
+        "--rgb",
+        "ntsc",
+        "--adaptation",
+        "bradford",
+    ];
+    let colours = json(&[&["colour", file, "--json"][..], &flags].concat());
+    // After adaptation the perfect diffuser is white in any space.
+    for index in 0..3 {
+        approx::assert_relative_eq!(
+            colours[0]["linear_rgb"][index].as_f64().unwrap(),
+            1.0,
+            max_relative = 1e-9
+        );
+    }
+    let text = String::from_utf8(specval(&[&["colour", file][..], &flags].concat()).stdout).unwrap();
+    assert!(
+        text.contains("cie1964-10deg, A, ntsc, adaptation bradford") && text.contains("white"),
+        "{text}"
+    );
+    let message = refusal(&["colour", file, "--illuminant", "D56"]);
+    assert!(
+        message.contains("--illuminant") && message.contains("did you mean"),
+        "{message}"
+    );
+}
+
+#[test]
+fn bad_spectra_are_refused_with_file_line_and_column() {
+    let scratch = tempfile::tempdir().unwrap();
+    let at = |name: &str| scratch.path().join(name).to_str().unwrap().to_owned();
+    for (name, text, expected) in [
+        (
+            "descending.csv",
+            "wavelength_nm,a\n500,1\n490,1\n",
+            &["descending.csv", "line 3", "wavelength_nm", "above 500 nm", "490"][..],
+        ),
+        (
+            "nan.csv",
+            "# note\nwavelength_nm,a\n500,1\n510,nan\n",
+            &["nan.csv", "line 4", "column a", "nan"],
+        ),
+        (
+            "short.csv",
+            "wavelength_nm,a\n500\n",
+            &["short.csv", "line 2", "2 values"],
+        ),
+        ("infrared.csv", "wavelength_nm,a\n500,1\n1500,1\n", &["1500 nm"]),
+        ("bare.csv", "500,1\n510,1\n", &["bare.csv", "line 1", "wavelength_nm"]),
+        ("empty.csv", "", &["empty.csv", "header"]),
+    ] {
+        std::fs::write(at(name), text).unwrap();
+        let message = refusal(&["colour", &at(name)]);
+        for part in expected {
+            assert!(message.contains(part), "{name}: {part} is missing in {message}");
+        }
+    }
+    for missing in [at("missing.csv"), at("")] {
+        let message = refusal(&["colour", &missing]);
+        assert!(
+            message.contains(&missing) && message.contains("cannot be read"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn a_reader_that_leaves_early_is_no_error() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_specval"))
+        .args(["mie", "--m-re", "1.5", "--x", "10", "--angles"])
+        .arg(
+            (0..5_000)
+                .map(|k| format!("{}", f64::from(k) * 0.03))
+                .collect::<Vec<_>>()
+                .join(","),
+        )
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(
+        output.status.success() && output.stderr.is_empty(),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
+fn help_and_version_name_the_program() {
+    let help = String::from_utf8(specval(&["--help"]).stdout).unwrap();
+    for word in ["mie", "colour", "--json", "--seed", "--threads", "--paths", "--quiet"] {
+        assert!(help.contains(word), "{word} is missing in {help}");
+    }
+    let version = String::from_utf8(specval(&["--version"]).stdout).unwrap();
+    assert_eq!(version.trim(), format!("specval {}", env!("CARGO_PKG_VERSION")));
+}
