@@ -9,3 +9,4 @@ pub mod optics;
 pub mod report;
 pub mod sample;
 pub mod spectrum;
+pub mod study;

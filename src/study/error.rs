@@ -1,0 +1,60 @@
+/// What is wrong with a study file, or with a study changed after it was read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StudyError {
+    /// Not TOML.
+    #[error("{place}: {message}")]
+    Syntax { place: Box<Place>, message: String },
+    /// A key or a section that means nothing.
+    #[error("{place}: unknown key `{key}` {section}{} {known}", did_you_mean(.suggestion))]
+    UnknownKey {
+        place: Box<Place>,
+        key: String,
+        /// `in [medium]`, or `at the top level`.
+        section: String,
+        known: String,
+        suggestion: Option<String>,
+    },
+    /// A value of another type than the key takes.
+    #[error("{place}: `{key}`: expected {expected}, found {found}")]
+    Type {
+        place: Box<Place>,
+        key: String,
+        expected: String,
+        found: String,
+    },
+    /// A value out of its range, or at odds with another.
+    #[error("{}`{key}`: expected {expected}, found {found}; {remedy}", prefix(.place))]
+    Value {
+        /// None for a study that was not read from a file, or a default.
+        place: Option<Box<Place>>,
+        key: String,
+        expected: String,
+        found: String,
+        remedy: String,
+    },
+}
+
+/// A line of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    pub file: String,
+    /// From 1.
+    pub line: usize,
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}, line {}", self.file, self.line)
+    }
+}
+
+fn did_you_mean(suggestion: &Option<String>) -> String {
+    match suggestion {
+        Some(suggestion) => format!(": did you mean {suggestion}? Known keys:"),
+        None => "; known keys:".into(),
+    }
+}
+
+fn prefix(place: &Option<Box<Place>>) -> String {
+    place.as_ref().map_or(String::new(), |p| format!("{p}: "))
+}

@@ -1,0 +1,512 @@
+//! Every key of a study file: meaning, unit and range, written once. The reader, the validation and the commented file that
+//! `specval init` writes all take them from here.
+
+/// A section of the file and its keys. The empty name is the top level.
+pub(super) struct Section {
+    pub name: &'static str,
+    pub meaning: &'static str,
+    pub fields: &'static [Field],
+}
+
+pub(super) struct Field {
+    pub key: &'static str,
+    pub meaning: &'static str,
+    /// Empty for a number without dimension.
+    pub unit: &'static str,
+    pub kind: Kind,
+    /// For a key without a default: an example, as TOML.
+    pub example: Option<&'static str>,
+}
+
+#[derive(Clone, Copy)]
+pub(super) enum Kind {
+    Number(Range),
+    /// A list of at least so many numbers.
+    Numbers(Range, usize),
+    Integer(u64, u64),
+    Flag,
+    Choice(&'static [&'static str]),
+    /// Any text but the empty one.
+    Text,
+}
+
+/// Which ends belong to the range.
+#[derive(Clone, Copy)]
+pub(super) struct Range {
+    pub low: f64,
+    pub low_included: bool,
+    pub high: f64,
+    pub high_included: bool,
+}
+
+impl Range {
+    pub fn contains(&self, value: f64) -> bool {
+        (value > self.low || (self.low_included && value == self.low))
+            && (value < self.high || (self.high_included && value == self.high))
+    }
+}
+
+impl std::fmt::Display for Range {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match (self.low_included, self.high_included) {
+            (true, true) => write!(f, "{} to {}", self.low, self.high),
+            (true, false) => write!(f, "{} to below {}", self.low, self.high),
+            (false, true) => write!(f, "above {} to {}", self.low, self.high),
+            (false, false) => write!(f, "above {} to below {}", self.low, self.high),
+        }
+    }
+}
+
+impl Field {
+    /// What the key takes, with its unit: for comments and errors alike.
+    pub fn expected(&self) -> String {
+        let unit = if self.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" {}", self.unit)
+        };
+        match self.kind {
+            Kind::Number(range) => format!("a number, {range}{unit}"),
+            Kind::Numbers(range, at_least) => format!("a list of {at_least} or more numbers, each {range}{unit}"),
+            Kind::Integer(low, high) => format!("a whole number, {low} to {high}{unit}"),
+            Kind::Flag => "true or false".into(),
+            Kind::Choice(choices) => format!("one of {}", quoted(choices)),
+            Kind::Text => "a text in quotes, not empty".into(),
+        }
+    }
+}
+
+pub(super) fn quoted(words: &[&str]) -> String {
+    words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(", ")
+}
+
+pub(super) fn find(section: &str, key: &str) -> Option<&'static Field> {
+    let section = SECTIONS.iter().find(|s| s.name == section)?;
+    section.fields.iter().find(|f| f.key == key)
+}
+
+/// `key`, or `section.key`.
+pub(super) fn path(section: &str, key: &str) -> String {
+    if section.is_empty() {
+        key.into()
+    } else {
+        format!("{section}.{key}")
+    }
+}
+
+const fn closed(low: f64, high: f64) -> Range {
+    Range {
+        low,
+        low_included: true,
+        high,
+        high_included: true,
+    }
+}
+
+/// Low excluded, high included.
+const fn above(low: f64, high: f64) -> Range {
+    Range {
+        low,
+        low_included: false,
+        high,
+        high_included: true,
+    }
+}
+
+const fn field(key: &'static str, unit: &'static str, kind: Kind, meaning: &'static str) -> Field {
+    Field {
+        key,
+        meaning,
+        unit,
+        kind,
+        example: None,
+    }
+}
+
+const fn optional(field: Field, example: &'static str) -> Field {
+    Field {
+        example: Some(example),
+        ..field
+    }
+}
+
+const WAVELENGTH: Range = closed(100.0, 10_000.0);
+const INDEX: Range = closed(1.0, 4.0);
+const KAPPA: Range = closed(0.0, 10.0);
+const DIAMETER: Range = above(0.0, 100_000.0);
+const VIEW: Range = Range {
+    low: -90.0,
+    low_included: false,
+    high: 90.0,
+    high_included: false,
+};
+/// Equal spheres cannot fill more than π/√18 = 0.7405 of a volume.
+const FRACTION: Range = Range {
+    low: 0.0,
+    low_included: true,
+    high: 0.74,
+    high_included: false,
+};
+const CELLS: Kind = Kind::Integer(1, 1000);
+const PATHS: Kind = Kind::Integer(2, 1_000_000_000_000);
+
+pub(super) const SECTIONS: &[Section] = &[
+    Section {
+        name: "",
+        meaning: "",
+        fields: &[field(
+            "seed",
+            "",
+            Kind::Integer(0, i64::MAX as u64),
+            "Seed of every random number. The same study and seed give the same result on any number of threads.",
+        )],
+    },
+    Section {
+        name: "spectrum",
+        meaning: "The wavelengths (in vacuum) at which everything is computed.",
+        fields: &[
+            field("wavelength_min_nm", "nm", Kind::Number(WAVELENGTH), "First wavelength."),
+            field(
+                "wavelength_max_nm",
+                "nm",
+                Kind::Number(WAVELENGTH),
+                "Last wavelength, a whole number of steps above the first.",
+            ),
+            field(
+                "wavelength_step_nm",
+                "nm",
+                Kind::Number(above(0.0, 1000.0)),
+                "Step between wavelengths.",
+            ),
+            optional(
+                field(
+                    "wavelengths_nm",
+                    "nm",
+                    Kind::Numbers(WAVELENGTH, 1),
+                    "An ascending list to use in place of the three above.",
+                ),
+                "[450.0, 550.0, 650.0]",
+            ),
+        ],
+    },
+    Section {
+        name: "medium",
+        meaning: "What fills the yarn: equal dyed spheres in a clear host.",
+        fields: &[
+            field("host_index", "", Kind::Number(INDEX), "Refractive index of the host."),
+            field(
+                "host_mu_a_per_mm",
+                "1/mm",
+                Kind::Number(closed(0.0, 1e6)),
+                "Absorption coefficient of the host.",
+            ),
+            field(
+                "particle_index",
+                "",
+                Kind::Number(INDEX),
+                "Refractive index of the particles, absolute.",
+            ),
+            field(
+                "particle_diameter_nm",
+                "nm",
+                Kind::Number(DIAMETER),
+                "Diameter (not radius) of the particles.",
+            ),
+            field(
+                "volume_fraction",
+                "",
+                Kind::Number(FRACTION),
+                "Share of the yarn's volume that is particles.",
+            ),
+            field(
+                "kappa_peak",
+                "",
+                Kind::Number(KAPPA),
+                "Imaginary part of the particles' refractive index at the peak of the dye.",
+            ),
+            field(
+                "dye",
+                "",
+                Kind::Text,
+                "Shape of the dye's absorption over wavelength, 1 at its peak: a built-in dye, or a path to a CSV.",
+            ),
+            field(
+                "interference",
+                "",
+                Kind::Choice(&["independent", "percus-yevick"]),
+                "Particles scatter as if alone, or with the Percus-Yevick structure factor of hard spheres.",
+            ),
+        ],
+    },
+    Section {
+        name: "yarn",
+        meaning: "An infinite circular cylinder.",
+        fields: &[field(
+            "radius_mm",
+            "mm",
+            Kind::Number(above(0.0, 100.0)),
+            "Radius of the yarn.",
+        )],
+    },
+    Section {
+        name: "trace",
+        meaning: "Monte Carlo simulation of light in the yarn.",
+        fields: &[
+            field(
+                "estimator",
+                "",
+                Kind::Choice(&["independent", "shared"]),
+                "One wavelength a path, or one geometric path for all wavelengths.",
+            ),
+            field(
+                "batches",
+                "",
+                Kind::Integer(2, 100_000),
+                "Batches a direction; their means give the standard errors.",
+            ),
+            field(
+                "paths_bssrdf",
+                "",
+                PATHS,
+                "Paths for each incident direction and wavelength of the BSSRDF, at least one a batch.",
+            ),
+            field(
+                "paths_direct",
+                "",
+                PATHS,
+                "Paths for each tilt and wavelength of the direct simulation, at least one a batch.",
+            ),
+            field(
+                "roulette_threshold",
+                "",
+                Kind::Number(Range {
+                    low: 0.0,
+                    low_included: true,
+                    high: 1.0,
+                    high_included: false,
+                }),
+                "Weight of a path below which Russian roulette is played; 0 never plays.",
+            ),
+            field(
+                "roulette_survival",
+                "",
+                Kind::Number(above(0.0, 1.0)),
+                "Probability of surviving the roulette.",
+            ),
+            field(
+                "zenith_cells",
+                "",
+                CELLS,
+                "Incident directions: cells in the zenith angle from the normal of the entry patch.",
+            ),
+            field(
+                "azimuth_cells",
+                "",
+                CELLS,
+                "Incident directions: cells in azimuth about that normal.",
+            ),
+            field(
+                "exit_azimuth_cells",
+                "",
+                CELLS,
+                "Cells around the yarn where light leaves.",
+            ),
+            field(
+                "exit_theta_cells",
+                "",
+                CELLS,
+                "Exit directions: cells in the zenith angle.",
+            ),
+            field("exit_phi_cells", "", CELLS, "Exit directions: cells in azimuth."),
+            field("z_cells", "", CELLS, "Cells along the yarn where light leaves."),
+            field(
+                "tilts",
+                "",
+                CELLS,
+                "Direct simulation: directions of the beam between across and along the yarn.",
+            ),
+            field(
+                "fold_symmetry",
+                "",
+                Kind::Flag,
+                "Trace a quarter of the directions and mirror the rest.",
+            ),
+            field(
+                "shade_with",
+                "",
+                Kind::Choice(&["direct", "bssrdf"]),
+                "Radiance factor of the cloth's yarns: from the direct simulation, or from the sum of the BSSRDF.",
+            ),
+        ],
+    },
+    Section {
+        name: "cloth",
+        meaning: "The weave and the geometry of its yarns.",
+        fields: &[
+            field(
+                "weave",
+                "",
+                Kind::Choice(&["plain", "twill-2-1", "twill-3-1", "satin-5"]),
+                "Which yarn is on top at each crossing.",
+            ),
+            field(
+                "centre_line",
+                "",
+                Kind::Choice(&["peirce", "sinusoid"]),
+                "Arcs and straights (Peirce 1937), or a sinusoid.",
+            ),
+            field(
+                "spacing_diameters",
+                "yarn diameters",
+                Kind::Number(above(1.0, 100.0)),
+                "Distance of neighbouring yarns; round yarns of a plain weave jam at 1.73.",
+            ),
+            optional(
+                field(
+                    "sinusoid_amplitude_mm",
+                    "mm",
+                    Kind::Number(above(0.0, 100.0)),
+                    "Amplitude of the sinusoid; by default yarns touch where they cross.",
+                ),
+                "0.15",
+            ),
+            field("segments_around", "", Kind::Integer(3, 10_000), "Facets around a yarn."),
+            field(
+                "segments_along",
+                "",
+                Kind::Integer(4, 100_000),
+                "Facets along a yarn in one unit cell.",
+            ),
+            field(
+                "azimuth_deg",
+                "degrees",
+                Kind::Number(closed(-360.0, 360.0)),
+                "Turn of the cloth in its plane: warp from the plane of incidence.",
+            ),
+        ],
+    },
+    Section {
+        name: "specular",
+        meaning: "Gloss about the cloth's normal (Cook-Torrance), for model and classical shading alike.",
+        fields: &[
+            field(
+                "roughness",
+                "",
+                Kind::Number(above(0.0, 1.0)),
+                "Root mean square slope of the facets.",
+            ),
+            field(
+                "distribution",
+                "",
+                Kind::Choice(&["beckmann", "trowbridge-reitz"]),
+                "Distribution of their slopes.",
+            ),
+            field("index", "", Kind::Number(INDEX), "Refractive index of the surface."),
+            field(
+                "weight",
+                "",
+                Kind::Number(closed(0.0, 10.0)),
+                "Factor of the whole term; 0 switches it off.",
+            ),
+        ],
+    },
+    Section {
+        name: "rig",
+        meaning: "The virtual goniophotometer.",
+        fields: &[
+            field(
+                "incidences_deg",
+                "degrees",
+                Kind::Numbers(
+                    Range {
+                        low: 0.0,
+                        low_included: true,
+                        high: 90.0,
+                        high_included: false,
+                    },
+                    1,
+                ),
+                "Angles of incidence, from the normal.",
+            ),
+            field(
+                "view_min_deg",
+                "degrees",
+                Kind::Number(VIEW),
+                "First view angle: negative on the light's side of the normal.",
+            ),
+            field(
+                "view_max_deg",
+                "degrees",
+                Kind::Number(VIEW),
+                "Last view angle: positive on the specular side.",
+            ),
+            field(
+                "view_step_deg",
+                "degrees",
+                Kind::Number(above(0.0, 180.0)),
+                "Step between view angles.",
+            ),
+            field(
+                "pixels_per_side",
+                "",
+                Kind::Integer(1, 10_000),
+                "Pixels a side over one unit cell of the cloth.",
+            ),
+        ],
+    },
+    Section {
+        name: "colour",
+        meaning: "From spectra to colours; the same for model, classical and measured.",
+        fields: &[
+            field(
+                "observer",
+                "",
+                Kind::Choice(&["cie1931-2deg", "cie1964-10deg"]),
+                "Colour-matching functions.",
+            ),
+            field(
+                "illuminant",
+                "",
+                Kind::Choice(&["D65", "D50", "A", "C", "E"]),
+                "Light in which the cloth is seen.",
+            ),
+            field(
+                "rgb",
+                "",
+                Kind::Choice(&["srgb", "cie-rgb", "ntsc"]),
+                "Primaries and white of the linear RGB.",
+            ),
+            field(
+                "adaptation",
+                "",
+                Kind::Choice(&["none", "bradford"]),
+                "From the illuminant's white to that of the RGB space.",
+            ),
+        ],
+    },
+    Section {
+        name: "measured",
+        meaning: "The measured sample to compare with.",
+        fields: &[field(
+            "sample",
+            "",
+            Kind::Text,
+            "A built-in sample, or a path to the folder of one.",
+        )],
+    },
+    Section {
+        name: "sweep",
+        meaning: "Values of parameters for the model's range in Table 1. Each is varied alone; an empty list leaves it alone.",
+        fields: &[
+            field("kappa_peak", "", Kind::Numbers(KAPPA, 0), "As in [medium]."),
+            field("volume_fraction", "", Kind::Numbers(FRACTION, 0), "As in [medium]."),
+            field(
+                "particle_diameter_nm",
+                "nm",
+                Kind::Numbers(DIAMETER, 0),
+                "As in [medium].",
+            ),
+            field("particle_index", "", Kind::Numbers(INDEX, 0), "As in [medium]."),
+        ],
+    },
+];

@@ -1,0 +1,88 @@
+//! The study file: every parameter of a run, typed, with its unit in its name.
+//!
+//! A study is TOML. Every key has a default (the preprint's yarn), an unknown key is an error, and so is a value out of its
+//! range; the message names the line, what was expected and what was found.
+
+mod commented;
+mod error;
+mod fields;
+mod parse;
+mod sections;
+mod validate;
+
+use serde::{Deserialize, Serialize};
+
+pub use error::{Place, StudyError};
+pub use sections::{
+    AdaptationChoice, CentreLineChoice, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
+    IlluminantChoice, InterferenceChoice, MeasuredSection, MediumSection, ObserverChoice, RgbChoice, RigSection,
+    ShadeWith, SpectrumSection, SpecularSection, SweepSection, TraceSection, WeaveChoice, YarnSection,
+};
+
+/// A study. The default is the built-in one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Study {
+    pub seed: u64,
+    pub spectrum: SpectrumSection,
+    pub medium: MediumSection,
+    pub yarn: YarnSection,
+    pub trace: TraceSection,
+    pub cloth: ClothSection,
+    pub specular: SpecularSection,
+    pub rig: RigSection,
+    pub colour: ColourSection,
+    pub measured: MeasuredSection,
+    pub sweep: SweepSection,
+}
+
+impl Default for Study {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            spectrum: Default::default(),
+            medium: Default::default(),
+            yarn: Default::default(),
+            trace: Default::default(),
+            cloth: Default::default(),
+            specular: Default::default(),
+            rig: Default::default(),
+            colour: Default::default(),
+            measured: Default::default(),
+            sweep: Default::default(),
+        }
+    }
+}
+
+impl Study {
+    /// Reads and validates a study; what the text leaves out keeps its default. `file_name` is what errors call the text.
+    ///
+    /// # Errors
+    /// The first fault of the text, with its line.
+    pub fn from_toml(text: &str, file_name: &str) -> Result<Self, StudyError> {
+        parse::study(text, file_name)
+    }
+
+    /// Checks every value against its range, and values that must fit each other. A study that [`Study::from_toml`]
+    /// returned is valid; one changed since may not be.
+    ///
+    /// # Errors
+    /// The first value that does not fit: key, expected range with unit, found, remedy.
+    pub fn validate(&self) -> Result<(), StudyError> {
+        validate::study(self)
+    }
+
+    /// The whole study as TOML, defaults included, without comments.
+    ///
+    /// # Errors
+    /// For an invalid study only.
+    pub fn to_toml(&self) -> Result<String, StudyError> {
+        self.validate()?;
+        toml::to_string(self).map_err(|e| validate::unwritable(&e))
+    }
+
+    /// The default study as TOML, each key with its meaning, unit and range.
+    pub fn commented_toml() -> String {
+        commented::default_study()
+    }
+}

@@ -1,0 +1,215 @@
+use std::ops::Range;
+
+use toml::de::{DeTable, DeValue};
+
+use super::fields::{self, Field, Kind, SECTIONS, Section};
+use super::{Place, Study, StudyError};
+
+type Spanned<T> = toml::Spanned<T>;
+
+/// The text of a study file and what to call it.
+struct Source<'t> {
+    text: &'t str,
+    file: &'t str,
+}
+
+impl Source<'_> {
+    fn place(&self, offset: usize) -> Box<Place> {
+        let before = &self.text.as_bytes()[..offset.min(self.text.len())];
+        Box::new(Place {
+            file: self.file.into(),
+            line: 1 + before.iter().filter(|b| **b == b'\n').count(),
+        })
+    }
+
+    /// The text of a value, cut to a readable length.
+    fn quote(&self, span: Range<usize>) -> String {
+        let text = self.text.get(span).unwrap_or_default();
+        match text.char_indices().nth(40) {
+            Some((end, _)) => format!("{}…", &text[..end]),
+            None => text.into(),
+        }
+    }
+
+    fn syntax(&self, error: &toml::de::Error) -> StudyError {
+        StudyError::Syntax {
+            place: self.place(error.span().map_or(0, |s| s.start)),
+            message: error.message().trim().replace('\n', ", "),
+        }
+    }
+}
+
+pub(super) fn study(text: &str, file: &str) -> Result<Study, StudyError> {
+    let source = Source { text, file };
+    let document = DeTable::parse(text).map_err(|e| source.syntax(&e))?;
+    let mut faults = Vec::new();
+    check_table(&source, document.get_ref(), &mut faults);
+    if let Some((_, first)) = faults.into_iter().min_by_key(|(offset, _)| *offset) {
+        return Err(first);
+    }
+    let study: Study = toml::from_str(text).map_err(|e| source.syntax(&e))?;
+    study
+        .validate()
+        .map_err(|error| located(&source, document.get_ref(), error))?;
+    Ok(study)
+}
+
+/// A fault and where it is in the text.
+type Fault = (usize, StudyError);
+
+fn check_table(source: &Source, document: &DeTable, faults: &mut Vec<Fault>) {
+    for (key, value) in document {
+        let name = key.get_ref().as_ref();
+        let offset = key.span().start;
+        if let Some(field) = fields::find("", name) {
+            faults.extend(check_value(source, "", field, value));
+        } else if let Some(section) = SECTIONS.iter().find(|s| s.name == name && !name.is_empty()) {
+            match value.get_ref() {
+                DeValue::Table(table) => check_section(source, section, table, faults),
+                other => faults.push((
+                    offset,
+                    StudyError::Type {
+                        place: source.place(offset),
+                        key: name.into(),
+                        expected: format!("a section, [{name}]"),
+                        found: format!("a value of type {}", other.type_str()),
+                    },
+                )),
+            }
+        } else {
+            faults.push((offset, unknown(source, "", name, offset)));
+        }
+    }
+}
+
+fn check_section(source: &Source, section: &Section, table: &DeTable, faults: &mut Vec<Fault>) {
+    for (key, value) in table {
+        let name = key.get_ref().as_ref();
+        match fields::find(section.name, name) {
+            Some(field) => faults.extend(check_value(source, section.name, field, value)),
+            None => {
+                let offset = key.span().start;
+                faults.push((offset, unknown(source, section.name, name, offset)));
+            }
+        }
+    }
+}
+
+/// Whether a value has the type of its key. Ranges are the validation's, but for whole numbers that would not fit at all.
+fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<DeValue>) -> Option<Fault> {
+    let span = value.span();
+    let is_number = |v: &DeValue| v.is_float() || v.is_integer();
+    let found = value.get_ref();
+    let fits = match field.kind {
+        Kind::Number(_) => is_number(found),
+        Kind::Numbers(..) => found
+            .as_array()
+            .is_some_and(|list| list.iter().all(|v| is_number(v.get_ref()))),
+        Kind::Integer(low, high) => match found.as_integer() {
+            Some(integer) => {
+                let digits = integer.as_str().replace('_', "");
+                i128::from_str_radix(&digits, integer.radix())
+                    .is_ok_and(|i| (i128::from(low)..=i128::from(high)).contains(&i))
+            }
+            None => false,
+        },
+        Kind::Flag => found.is_bool(),
+        Kind::Text => found.is_str(),
+        Kind::Choice(choices) => found.as_str().is_some_and(|s| choices.contains(&s)),
+    };
+    if fits {
+        return None;
+    }
+    let (place, key, expected) = (
+        source.place(span.start),
+        fields::path(section, field.key),
+        field.expected(),
+    );
+    let quote = source.quote(span.clone());
+    let error = match (field.kind, found) {
+        (Kind::Choice(choices), DeValue::String(text)) => StudyError::Value {
+            place: Some(place),
+            key,
+            expected,
+            found: quote,
+            remedy: match closest(text, choices.iter().copied()) {
+                Some(choice) => format!("did you mean \"{choice}\"?"),
+                None => "write one of these".into(),
+            },
+        },
+        _ => StudyError::Type {
+            place,
+            key,
+            expected,
+            found: format!("{quote} ({})", found.type_str()),
+        },
+    };
+    Some((span.start, error))
+}
+
+fn unknown(source: &Source, section: &str, key: &str, offset: usize) -> StudyError {
+    let fields = SECTIONS
+        .iter()
+        .find(|s| s.name == section)
+        .map_or(&[][..], |s| s.fields);
+    let mut known: Vec<&str> = fields.iter().map(|f| f.key).collect();
+    if section.is_empty() {
+        known.extend(SECTIONS.iter().map(|s| s.name).filter(|n| !n.is_empty()));
+    }
+    let elsewhere = || {
+        let home = SECTIONS
+            .iter()
+            .find(|s| !s.name.is_empty() && fields::find(s.name, key).is_some())?;
+        Some(format!("`{key}` in [{}]", home.name))
+    };
+    StudyError::UnknownKey {
+        place: source.place(offset),
+        key: key.into(),
+        section: if section.is_empty() {
+            "at the top level".into()
+        } else {
+            format!("in [{section}]")
+        },
+        suggestion: elsewhere().or_else(|| closest(key, known.iter().copied()).map(|k| format!("`{k}`"))),
+        known: known.join(", "),
+    }
+}
+
+/// The likeliest word meant, if one is near: within a third of its letters.
+fn closest<'w>(typed: &str, words: impl Iterator<Item = &'w str>) -> Option<&'w str> {
+    let typed = typed.to_lowercase();
+    words
+        .map(|w| (strsim::damerau_levenshtein(&typed, &w.to_lowercase()), w))
+        .filter(|(distance, w)| *distance <= 1 + w.len() / 3)
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, w)| w)
+}
+
+/// The error with the line of its key, if the text has that key.
+fn located(source: &Source, document: &DeTable, error: StudyError) -> StudyError {
+    let StudyError::Value {
+        place: None,
+        key,
+        expected,
+        found,
+        remedy,
+    } = error
+    else {
+        return error;
+    };
+    let span = match key.split_once('.') {
+        None => document.get(key.as_str()).map(Spanned::span),
+        Some((section, name)) => document
+            .get(section)
+            .and_then(|s| s.get_ref().as_table())
+            .and_then(|t| t.get(name))
+            .map(Spanned::span),
+    };
+    StudyError::Value {
+        place: span.map(|s| source.place(s.start)),
+        key,
+        expected,
+        found,
+        remedy,
+    }
+}

@@ -1,0 +1,342 @@
+//! The sections of a study file as types. Meaning, unit and range of every key: [`super::fields`].
+
+use serde::{Deserialize, Serialize};
+
+/// `[spectrum]`: the wavelengths at which everything is computed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SpectrumSection {
+    pub wavelength_min_nm: f64,
+    pub wavelength_max_nm: f64,
+    pub wavelength_step_nm: f64,
+    /// Used in place of the three above where given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavelengths_nm: Option<Vec<f64>>,
+}
+
+impl SpectrumSection {
+    /// The wavelengths in nm, ascending in a valid study.
+    pub fn wavelengths(&self) -> Vec<f64> {
+        match &self.wavelengths_nm {
+            Some(list) => list.clone(),
+            None => steps(self.wavelength_min_nm, self.wavelength_max_nm, self.wavelength_step_nm),
+        }
+    }
+}
+
+impl Default for SpectrumSection {
+    fn default() -> Self {
+        Self {
+            wavelength_min_nm: 390.0,
+            wavelength_max_nm: 730.0,
+            wavelength_step_nm: 10.0,
+            wavelengths_nm: None,
+        }
+    }
+}
+
+/// `[medium]`: what fills the yarn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MediumSection {
+    pub host_index: f64,
+    pub host_mu_a_per_mm: f64,
+    pub particle_index: f64,
+    pub particle_diameter_nm: f64,
+    pub volume_fraction: f64,
+    pub kappa_peak: f64,
+    pub dye: String,
+    pub interference: InterferenceChoice,
+}
+
+impl Default for MediumSection {
+    fn default() -> Self {
+        Self {
+            host_index: 1.557,
+            host_mu_a_per_mm: 0.0,
+            particle_index: 1.61,
+            particle_diameter_nm: 150.0,
+            volume_fraction: 0.14,
+            kappa_peak: 0.006,
+            dye: "preprint-red".into(),
+            interference: InterferenceChoice::Independent,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum InterferenceChoice {
+    Independent,
+    PercusYevick,
+}
+
+/// `[yarn]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct YarnSection {
+    pub radius_mm: f64,
+}
+
+impl Default for YarnSection {
+    fn default() -> Self {
+        Self { radius_mm: 0.15 }
+    }
+}
+
+/// `[trace]`: the Monte Carlo of the yarn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TraceSection {
+    pub estimator: EstimatorChoice,
+    pub batches: u32,
+    pub paths_bssrdf: u64,
+    pub paths_direct: u64,
+    pub roulette_threshold: f64,
+    pub roulette_survival: f64,
+    pub zenith_cells: u32,
+    pub azimuth_cells: u32,
+    pub exit_azimuth_cells: u32,
+    pub exit_theta_cells: u32,
+    pub exit_phi_cells: u32,
+    pub z_cells: u32,
+    pub tilts: u32,
+    pub fold_symmetry: bool,
+    pub shade_with: ShadeWith,
+}
+
+impl Default for TraceSection {
+    fn default() -> Self {
+        Self {
+            estimator: EstimatorChoice::Independent,
+            batches: 16,
+            paths_bssrdf: 20_000,
+            paths_direct: 200_000,
+            roulette_threshold: 1e-3,
+            roulette_survival: 0.1,
+            zenith_cells: 9,
+            azimuth_cells: 16,
+            exit_azimuth_cells: 36,
+            exit_theta_cells: 9,
+            exit_phi_cells: 24,
+            z_cells: 8,
+            tilts: 10,
+            fold_symmetry: true,
+            shade_with: ShadeWith::Direct,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EstimatorChoice {
+    Independent,
+    Shared,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShadeWith {
+    Direct,
+    Bssrdf,
+}
+
+/// `[cloth]`: the weave.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ClothSection {
+    pub weave: WeaveChoice,
+    pub centre_line: CentreLineChoice,
+    pub spacing_diameters: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sinusoid_amplitude_mm: Option<f64>,
+    pub segments_around: u32,
+    pub segments_along: u32,
+    pub azimuth_deg: f64,
+}
+
+impl Default for ClothSection {
+    fn default() -> Self {
+        Self {
+            weave: WeaveChoice::Plain,
+            centre_line: CentreLineChoice::Peirce,
+            spacing_diameters: 1.8,
+            sinusoid_amplitude_mm: None,
+            segments_around: 48,
+            segments_along: 96,
+            azimuth_deg: 0.0,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum WeaveChoice {
+    #[serde(rename = "plain")]
+    Plain,
+    #[serde(rename = "twill-2-1")]
+    Twill21,
+    #[serde(rename = "twill-3-1")]
+    Twill31,
+    #[serde(rename = "satin-5")]
+    Satin5,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CentreLineChoice {
+    Peirce,
+    Sinusoid,
+}
+
+/// `[specular]`: the gloss of the cloth, Cook–Torrance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SpecularSection {
+    pub roughness: f64,
+    pub distribution: DistributionChoice,
+    pub index: f64,
+    pub weight: f64,
+}
+
+impl Default for SpecularSection {
+    fn default() -> Self {
+        Self {
+            roughness: 0.4,
+            distribution: DistributionChoice::Beckmann,
+            index: 1.557,
+            weight: 1.0,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DistributionChoice {
+    Beckmann,
+    TrowbridgeReitz,
+}
+
+/// `[rig]`: the virtual goniophotometer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RigSection {
+    pub incidences_deg: Vec<f64>,
+    pub view_min_deg: f64,
+    pub view_max_deg: f64,
+    pub view_step_deg: f64,
+    pub pixels_per_side: u32,
+}
+
+impl RigSection {
+    /// The signed view angles in degrees, ascending in a valid study.
+    pub fn views_deg(&self) -> Vec<f64> {
+        steps(self.view_min_deg, self.view_max_deg, self.view_step_deg)
+    }
+}
+
+impl Default for RigSection {
+    fn default() -> Self {
+        Self {
+            incidences_deg: vec![0.0, 30.0, 60.0],
+            view_min_deg: -60.0,
+            view_max_deg: 70.0,
+            view_step_deg: 5.0,
+            pixels_per_side: 32,
+        }
+    }
+}
+
+/// `[colour]`: how spectra become colours.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ColourSection {
+    pub observer: ObserverChoice,
+    pub illuminant: IlluminantChoice,
+    pub rgb: RgbChoice,
+    pub adaptation: AdaptationChoice,
+}
+
+impl Default for ColourSection {
+    fn default() -> Self {
+        Self {
+            observer: ObserverChoice::Cie1931,
+            illuminant: IlluminantChoice::D65,
+            rgb: RgbChoice::Srgb,
+            adaptation: AdaptationChoice::None,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ObserverChoice {
+    #[serde(rename = "cie1931-2deg")]
+    Cie1931,
+    #[serde(rename = "cie1964-10deg")]
+    Cie1964,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum IlluminantChoice {
+    D65,
+    D50,
+    A,
+    C,
+    E,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RgbChoice {
+    Srgb,
+    CieRgb,
+    Ntsc,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AdaptationChoice {
+    None,
+    Bradford,
+}
+
+/// `[measured]`: the sample to compare with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MeasuredSection {
+    pub sample: String,
+}
+
+impl Default for MeasuredSection {
+    fn default() -> Self {
+        Self {
+            sample: "merl-red-fabric".into(),
+        }
+    }
+}
+
+/// `[sweep]`: values each varied alone, the rest as in the study; an empty list leaves a parameter alone.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SweepSection {
+    pub kappa_peak: Vec<f64>,
+    pub volume_fraction: Vec<f64>,
+    pub particle_diameter_nm: Vec<f64>,
+    pub particle_index: Vec<f64>,
+}
+
+impl Default for SweepSection {
+    fn default() -> Self {
+        Self {
+            kappa_peak: vec![0.003, 0.006, 0.012],
+            volume_fraction: vec![0.07, 0.14, 0.21],
+            particle_diameter_nm: vec![100.0, 150.0, 300.0],
+            particle_index: vec![1.59, 1.61, 1.63],
+        }
+    }
+}
+
+/// low, low + step, … up to high, to within a rounding of the number of steps.
+fn steps(low: f64, high: f64, step: f64) -> Vec<f64> {
+    let last = ((high - low) / step + 1e-9).floor() as u32;
+    (0..=last).map(|i| low + f64::from(i) * step).collect()
+}

@@ -1,0 +1,194 @@
+use toml::Value;
+
+use super::fields::{self, Field, Kind, SECTIONS};
+use super::{CentreLineChoice, RigSection, SpectrumSection, Study, StudyError, TraceSection};
+
+/// Most wavelengths or views a study may ask for.
+const MOST_STEPS: f64 = 10_000.0;
+
+pub(super) fn study(study: &Study) -> Result<(), StudyError> {
+    // TOML has no unsigned 64-bit integers.
+    if i64::try_from(study.seed).is_err() {
+        let found = study.seed.to_string();
+        return Err(value(
+            "seed",
+            format!("a whole number, 0 to {}", i64::MAX),
+            found,
+            "take a smaller seed",
+        ));
+    }
+    let written = toml::Table::try_from(study).map_err(|e| unwritable(&e))?;
+    for section in SECTIONS {
+        let values = match section.name {
+            "" => Some(&written),
+            name => written.get(name).and_then(Value::as_table),
+        };
+        for field in section.fields {
+            if let Some(found) = values.and_then(|v| v.get(field.key)) {
+                in_range(section.name, field, found)?;
+            }
+        }
+    }
+    spectrum(&study.spectrum)?;
+    trace(&study.trace)?;
+    rig(&study.rig)?;
+    if study.cloth.centre_line == CentreLineChoice::Peirce
+        && let Some(amplitude) = study.cloth.sinusoid_amplitude_mm
+    {
+        return Err(value(
+            "cloth.sinusoid_amplitude_mm",
+            "no value while centre_line is \"peirce\"",
+            format!("{amplitude} mm"),
+            "leave the amplitude out, or set centre_line = \"sinusoid\"",
+        ));
+    }
+    Ok(())
+}
+
+/// The error of a study that TOML cannot hold.
+pub(super) fn unwritable(error: &toml::ser::Error) -> StudyError {
+    value("study", "values TOML can hold", error.to_string(), "change the value")
+}
+
+fn value(
+    key: impl Into<String>,
+    expected: impl Into<String>,
+    found: impl Into<String>,
+    remedy: impl Into<String>,
+) -> StudyError {
+    StudyError::Value {
+        place: None,
+        key: key.into(),
+        expected: expected.into(),
+        found: found.into(),
+        remedy: remedy.into(),
+    }
+}
+
+fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyError> {
+    let number = |v: &Value| v.as_float().unwrap_or(f64::NAN);
+    let fits = match field.kind {
+        Kind::Number(range) => range.contains(number(found)),
+        Kind::Numbers(range, at_least) => found
+            .as_array()
+            .is_some_and(|list| list.len() >= at_least && list.iter().all(|v| range.contains(number(v)))),
+        Kind::Integer(low, high) => found
+            .as_integer()
+            .and_then(|i| u64::try_from(i).ok())
+            .is_some_and(|i| (low..=high).contains(&i)),
+        Kind::Text => found.as_str().is_some_and(|s| !s.trim().is_empty()),
+        // The types admit nothing else.
+        Kind::Flag | Kind::Choice(_) => true,
+    };
+    if fits {
+        return Ok(());
+    }
+    let remedy = format!("it is: {}", field.meaning.trim_end_matches('.'));
+    Err(value(
+        fields::path(section, field.key),
+        field.expected(),
+        found.to_string(),
+        remedy,
+    ))
+}
+
+fn spectrum(spectrum: &SpectrumSection) -> Result<(), StudyError> {
+    if let Some(list) = &spectrum.wavelengths_nm {
+        if let Some(pair) = list.windows(2).find(|pair| pair[0] >= pair[1]) {
+            return Err(value(
+                "spectrum.wavelengths_nm",
+                "strictly ascending wavelengths in nm",
+                format!("{} after {}", pair[1], pair[0]),
+                "sort the list and take out duplicates",
+            ));
+        }
+        return Ok(());
+    }
+    whole_steps(
+        "spectrum.wavelength",
+        "nm",
+        spectrum.wavelength_min_nm,
+        spectrum.wavelength_max_nm,
+        spectrum.wavelength_step_nm,
+    )
+}
+
+fn rig(rig: &RigSection) -> Result<(), StudyError> {
+    let list = &rig.incidences_deg;
+    if let Some((i, twice)) = list.iter().enumerate().find(|(i, angle)| list[..*i].contains(angle)) {
+        return Err(value(
+            "rig.incidences_deg",
+            "different angles in degrees",
+            format!("{twice} again as entry {}", i + 1),
+            "take out the duplicate",
+        ));
+    }
+    whole_steps("rig.view", "deg", rig.view_min_deg, rig.view_max_deg, rig.view_step_deg)
+}
+
+/// That `max` lies above `min` by a whole number of steps.
+fn whole_steps(name: &str, unit: &str, min: f64, max: f64, step: f64) -> Result<(), StudyError> {
+    let key = |which: &str| format!("{name}_{which}_{unit}");
+    if max < min {
+        let remedy = format!("exchange it with {}", key("min"));
+        return Err(value(
+            key("max"),
+            format!("at least {min} {unit}"),
+            format!("{max} {unit}"),
+            remedy,
+        ));
+    }
+    let count = (max - min) / step;
+    if count > MOST_STEPS {
+        let expected = format!("at least {} {unit}", (max - min) / MOST_STEPS);
+        return Err(value(
+            key("step"),
+            expected,
+            format!("{step} {unit}"),
+            "take a larger step",
+        ));
+    }
+    if (count - count.round()).abs() > 1e-6 {
+        return Err(value(
+            key("step"),
+            format!("a step that divides {} {unit}, from {min} to {max}", max - min),
+            format!("{step} {unit}"),
+            format!("change the step, or {}", key("max")),
+        ));
+    }
+    Ok(())
+}
+
+fn trace(trace: &TraceSection) -> Result<(), StudyError> {
+    for (key, paths) in [
+        ("paths_bssrdf", trace.paths_bssrdf),
+        ("paths_direct", trace.paths_direct),
+    ] {
+        if paths < u64::from(trace.batches) {
+            return Err(value(
+                fields::path("trace", key),
+                format!("at least one path a batch, {}", trace.batches),
+                paths.to_string(),
+                "trace more paths, or take fewer batches",
+            ));
+        }
+    }
+    if trace.fold_symmetry {
+        // Cells must map onto cells under the mirrors that are folded.
+        for (key, cells, multiple) in [
+            ("azimuth_cells", trace.azimuth_cells, 4),
+            ("exit_azimuth_cells", trace.exit_azimuth_cells, 2),
+            ("exit_phi_cells", trace.exit_phi_cells, 4),
+        ] {
+            if cells % multiple != 0 {
+                return Err(value(
+                    fields::path("trace", key),
+                    format!("a multiple of {multiple} while fold_symmetry is true"),
+                    cells.to_string(),
+                    "change the number, or set fold_symmetry = false",
+                ));
+            }
+        }
+    }
+    Ok(())
+}

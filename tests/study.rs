@@ -1,0 +1,256 @@
+//! The study file: what it accepts, what it refuses, and how it says so.
+
+use proptest::prelude::*;
+use specval::study::{InterferenceChoice, ObserverChoice, Study, StudyError, WeaveChoice};
+
+fn refused(text: &str) -> StudyError {
+    Study::from_toml(text, "my.toml").unwrap_err()
+}
+
+#[test]
+fn the_commented_file_is_the_default_study() {
+    let text = Study::commented_toml();
+    assert_eq!(Study::from_toml(&text, "study.toml"), Ok(Study::default()));
+    assert!(text.contains("radius_mm = 0.15"), "{text}");
+    assert!(text.contains("# a number, above 0 to 100 mm"), "{text}");
+}
+
+/// Every key of the types is in the commented file, so nobody has to read the source to learn of one.
+#[test]
+fn the_commented_file_has_every_key() {
+    let text = Study::commented_toml();
+    let mut full = Study::default();
+    full.spectrum.wavelengths_nm = Some(vec![500.0]);
+    full.cloth.sinusoid_amplitude_mm = Some(0.1);
+    for (section, value) in toml::Table::try_from(&full).unwrap() {
+        let keys = value
+            .as_table()
+            .map_or(vec![section.clone()], |t| t.keys().cloned().collect());
+        for key in keys {
+            assert!(
+                text.lines()
+                    .any(|l| l.trim_start_matches("# ").starts_with(&format!("{key} = "))),
+                "{section}.{key}"
+            );
+        }
+    }
+}
+
+/// The examples of keys without a default are valid.
+#[test]
+fn the_commented_examples_may_be_uncommented() {
+    let text = Study::commented_toml()
+        .replace("# wavelengths_nm", "wavelengths_nm")
+        .replace("# sinusoid_amplitude_mm", "sinusoid_amplitude_mm")
+        .replace("centre_line = \"peirce\"", "centre_line = \"sinusoid\"");
+    let study = Study::from_toml(&text, "study.toml").unwrap();
+    assert_eq!(study.spectrum.wavelengths(), [450.0, 550.0, 650.0]);
+    assert_eq!(study.cloth.sinusoid_amplitude_mm, Some(0.15));
+}
+
+/// Every choice that the file offers is one the types know.
+#[test]
+fn every_offered_choice_is_accepted() {
+    let text = Study::commented_toml();
+    let lines: Vec<&str> = text.lines().collect();
+    let (mut section, mut tried) = ("", 0);
+    for pair in lines.windows(2) {
+        if pair[0].starts_with('[') {
+            section = pair[0];
+        }
+        if let Some(choices) = pair[0].strip_prefix("# one of ") {
+            let key = pair[1].split(" = ").next().unwrap();
+            for choice in choices.split(", ") {
+                Study::from_toml(&format!("{section}\n{key} = {choice}\n"), "t").unwrap();
+                tried += 1;
+            }
+        }
+    }
+    assert_eq!(tried, 26);
+}
+
+#[test]
+fn what_is_written_is_read_back() {
+    let mut study = Study {
+        seed: 77,
+        ..Study::default()
+    };
+    study.spectrum.wavelengths_nm = Some(vec![400.0, 410.5]);
+    study.medium.interference = InterferenceChoice::PercusYevick;
+    study.cloth.weave = WeaveChoice::Twill21;
+    study.colour.observer = ObserverChoice::Cie1964;
+    study.trace.roulette_threshold = 1e-5;
+    assert_eq!(Study::from_toml(&study.to_toml().unwrap(), "t"), Ok(study));
+    assert_eq!(Study::from_toml("", "t"), Ok(Study::default()));
+}
+
+#[test]
+fn the_default_grid_and_views_are_the_preprints() {
+    let study = Study::default();
+    assert_eq!(study.validate(), Ok(()));
+    let (nm, views) = (study.spectrum.wavelengths(), study.rig.views_deg());
+    assert_eq!((nm.len(), nm[0], nm[34]), (35, 390.0, 730.0));
+    assert_eq!((views.len(), views[0], views[12], views[26]), (27, -60.0, 0.0, 70.0));
+}
+
+#[test]
+fn unknown_keys_are_refused_with_a_suggestion() {
+    let error = refused("seed = 2\n\n[medium]\nvolume_fracton = 0.2\n");
+    assert_eq!(
+        error.to_string(),
+        "my.toml, line 4: unknown key `volume_fracton` in [medium]: did you mean `volume_fraction`? Known keys: \
+         host_index, host_mu_a_per_mm, particle_index, particle_diameter_nm, volume_fraction, kappa_peak, dye, \
+         interference"
+    );
+    let section = refused("[medum]\nhost_index = 1.5\n").to_string();
+    assert!(
+        section.contains("line 1") && section.contains("`medium`") && section.contains("sweep"),
+        "{section}"
+    );
+    let elsewhere = refused("[medium]\nradius_mm = 1\n").to_string();
+    assert!(elsewhere.contains("did you mean `radius_mm` in [yarn]?"), "{elsewhere}");
+    let nothing_near = refused("[yarn]\nhumidity = 1\n").to_string();
+    assert!(!nothing_near.contains("did you mean"), "{nothing_near}");
+}
+
+#[test]
+fn the_first_fault_of_the_file_is_the_one_reported() {
+    let error = refused("[yarn]\nradius_mm = \"x\"\n[medium]\nbad = 1\n");
+    assert!(
+        error.to_string().starts_with("my.toml, line 2: `yarn.radius_mm`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn wrong_types_say_what_was_expected_and_found() {
+    for (text, expected, found) in [
+        (
+            "[yarn]\nradius_mm = \"thick\"",
+            "a number, above 0 to 100 mm",
+            "\"thick\" (string)",
+        ),
+        ("[trace]\nbatches = 2.5", "a whole number, 2 to 100000", "2.5 (float)"),
+        ("[trace]\nbatches = -3", "a whole number, 2 to 100000", "-3 (integer)"),
+        ("[trace]\nfold_symmetry = 1", "true or false", "1 (integer)"),
+        (
+            "[rig]\nincidences_deg = 30",
+            "a list of 1 or more numbers",
+            "30 (integer)",
+        ),
+        (
+            "[rig]\nincidences_deg = [0, \"a\"]",
+            "each 0 to below 90 degrees",
+            "[0, \"a\"] (array)",
+        ),
+        ("[medium]\ndye = 3", "a text in quotes", "3 (integer)"),
+        ("medium = 3", "a section, [medium]", "integer"),
+        ("[[medium]]\ndye = 'a'", "a section, [medium]", "array"),
+    ] {
+        let error = refused(text);
+        let message = error.to_string();
+        assert!(matches!(error, StudyError::Type { .. }), "{message}");
+        assert!(message.contains(expected) && message.contains(found), "{message}");
+    }
+}
+
+#[test]
+fn choices_are_suggested() {
+    let message = refused("[cloth]\n\nweave = \"twil-2-1\"").to_string();
+    assert_eq!(
+        message,
+        "my.toml, line 3: `cloth.weave`: expected one of \"plain\", \"twill-2-1\", \"twill-3-1\", \"satin-5\", found \
+         \"twil-2-1\"; did you mean \"twill-2-1\"?"
+    );
+    assert!(
+        refused("[colour]\nilluminant = 'd65'")
+            .to_string()
+            .contains("did you mean \"D65\"?")
+    );
+}
+
+#[test]
+fn values_out_of_range_are_refused_with_their_line() {
+    for (text, key, line) in [
+        ("[medium]\nvolume_fraction = 0.74", "medium.volume_fraction", 2),
+        ("[medium]\nvolume_fraction = -0.1", "medium.volume_fraction", 2),
+        ("[medium]\n\nhost_index = nan", "medium.host_index", 3),
+        ("[yarn]\nradius_mm = inf", "yarn.radius_mm", 2),
+        ("[yarn]\nradius_mm = 0", "yarn.radius_mm", 2),
+        ("[medium]\ndye = ''", "medium.dye", 2),
+        ("[rig]\nincidences_deg = [0, 90]", "rig.incidences_deg", 2),
+        ("[rig]\nincidences_deg = []", "rig.incidences_deg", 2),
+        ("[rig]\nincidences_deg = [0, 30, 0]", "rig.incidences_deg", 2),
+        ("[rig]\nview_step_deg = 7", "rig.view_step_deg", 2),
+        ("[rig]\nview_step_deg = 1e-300", "rig.view_step_deg", 2),
+        ("[rig]\nview_max_deg = -70", "rig.view_max_deg", 2),
+        ("[spectrum]\nwavelength_max_nm = 380", "spectrum.wavelength_max_nm", 2),
+        ("[spectrum]\nwavelength_step_nm = 11", "spectrum.wavelength_step_nm", 2),
+        ("[spectrum]\nwavelengths_nm = [500, 400]", "spectrum.wavelengths_nm", 2),
+        ("[sweep]\nvolume_fraction = [0.1, 0.8]", "sweep.volume_fraction", 2),
+        ("[trace]\npaths_bssrdf = 8", "trace.paths_bssrdf", 2),
+        ("[trace]\nazimuth_cells = 10", "trace.azimuth_cells", 2),
+        ("[cloth]\nsinusoid_amplitude_mm = 0.1", "cloth.sinusoid_amplitude_mm", 2),
+    ] {
+        match refused(text) {
+            StudyError::Value {
+                place: Some(place),
+                key: found,
+                ..
+            } => assert_eq!((found.as_str(), place.line), (key, line)),
+            other => panic!("{text}: {other}"),
+        }
+    }
+    let message = refused("[medium]\nvolume_fraction = 14").to_string();
+    assert_eq!(
+        message,
+        "my.toml, line 2: `medium.volume_fraction`: expected a number, 0 to below 0.74, found 14.0; it is: Share of the \
+         yarn's volume that is particles"
+    );
+}
+
+#[test]
+fn a_study_changed_in_memory_is_validated_too() {
+    let mut study = Study::default();
+    study.yarn.radius_mm = f64::NAN;
+    let message = study.validate().unwrap_err().to_string();
+    assert!(
+        message.starts_with("`yarn.radius_mm`: expected a number, above 0 to 100 mm, found nan"),
+        "{message}"
+    );
+    assert!(study.to_toml().is_err());
+    let study = Study {
+        seed: u64::MAX,
+        ..Study::default()
+    };
+    assert!(study.validate().unwrap_err().to_string().contains("`seed`"));
+}
+
+#[test]
+fn broken_toml_names_the_line() {
+    for text in ["seed = 1\n[medium\n", "seed = 1\nseed = 2\n", "seed = 1\nx ="] {
+        match refused(text) {
+            StudyError::Syntax { place, .. } => assert_eq!((place.file.as_str(), place.line), ("my.toml", 2), "{text}"),
+            other => panic!("{text}: {other}"),
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_text_makes_the_reader_panic(text in "\\PC*") {
+        let _ = Study::from_toml(&text, "t");
+    }
+
+    #[test]
+    fn no_damage_to_a_study_makes_the_reader_panic(at in 0usize..8000, insert in "\\PC{0,4}", cut in 0usize..6) {
+        let text = Study::commented_toml();
+        let chars: Vec<char> = text.chars().collect();
+        let at = at.min(chars.len());
+        let end = (at + cut).min(chars.len());
+        let damaged: String = chars[..at].iter().copied().chain(insert.chars()).chain(chars[end..].iter().copied()).collect();
+        if let Ok(study) = Study::from_toml(&damaged, "t") {
+            prop_assert!(study.validate().is_ok());
+        }
+    }
+}
