@@ -10,6 +10,7 @@ fn main() -> ExitCode {
     let TypedCommand { command, options } = TypedCommand::parse();
     let terminal = Terminal::new(&options);
     cli::exit(terminal.start_threads(&options).and_then(|()| match command {
+        Command::Init(arguments) => cli::init::run(&arguments, &terminal),
         Command::Mie(arguments) => cli::mie::run(&arguments, &terminal),
         Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),
     }))

@@ -121,6 +121,33 @@ fn bad_flags_name_themselves_and_what_was_expected() {
 }
 
 #[test]
+fn init_writes_the_built_in_study_once() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path().join("new");
+    let path = folder.join("study.toml");
+    let document = json(&["init", folder.to_str().unwrap(), "--json"]);
+    assert_eq!(document["study"], path.to_str().unwrap());
+    let text = std::fs::read_to_string(&path).unwrap();
+    let study = specval::study::Study::from_toml(&text, "study.toml").unwrap();
+    assert_eq!(study, specval::study::Study::default());
+
+    std::fs::write(&path, "seed = 3\n").unwrap();
+    let message = refusal(&["init", folder.to_str().unwrap()]);
+    assert!(
+        message.contains("study.toml") && message.contains("exists already"),
+        "{message}"
+    );
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "seed = 3\n");
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+
+    let message = refusal(&["init", path.to_str().unwrap()]);
+    assert!(
+        message.contains("study.toml") && message.contains("name another folder"),
+        "{message}"
+    );
+}
+
+#[test]
 fn colour_prints_the_reference_colours() {
     // tests/data/colour/spectra_test.csv and colour_expected.csv, spectrum 29 under D65 and the 2 degree observer.
     let spectra = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/colour/spectra_test.csv");
@@ -268,7 +295,16 @@ fn a_reader_that_leaves_early_is_no_error() {
 #[test]
 fn help_and_version_name_the_program() {
     let help = String::from_utf8(specval(&["--help"]).stdout).unwrap();
-    for word in ["mie", "colour", "--json", "--seed", "--threads", "--paths", "--quiet"] {
+    for word in [
+        "init",
+        "mie",
+        "colour",
+        "--json",
+        "--seed",
+        "--threads",
+        "--paths",
+        "--quiet",
+    ] {
         assert!(help.contains(word), "{word} is missing in {help}");
     }
     let version = String::from_utf8(specval(&["--version"]).stdout).unwrap();

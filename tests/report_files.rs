@@ -158,7 +158,7 @@ fn a_file_in_the_way_is_found_before_anything_is_written() {
     for path in [file.clone(), file.join("inside")] {
         let message = OutputFolder::prepare(&path).unwrap_err().to_string();
         assert!(message.contains(&file.display().to_string()), "{message}");
-        assert!(message.contains("--out"), "{message}");
+        assert!(message.contains("name another folder"), "{message}");
     }
     assert_eq!(std::fs::read_to_string(&file).unwrap(), "mine");
 }

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 2 bad input, with the reason on stderr. A reader that closes stdout early is no error.
 
 pub mod colour;
+pub mod init;
 pub mod mie;
 mod terminal;
 
@@ -23,6 +24,8 @@ pub struct TypedCommand {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write study.toml with every default and what it means.
+    Init(init::Arguments),
     /// Mie scattering of one sphere: efficiencies and amplitudes.
     Mie(mie::Arguments),
     /// Colours of spectra: XYZ, linear RGB and Lab.

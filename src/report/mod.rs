@@ -33,11 +33,11 @@ pub enum ReportError {
     Csv(#[from] csv::Error),
     #[error("report.json could not be written")]
     Json(#[from] serde_json::Error),
-    #[error("{}: a file stands where the output folder should be; name another folder with --out or move the file", path.display())]
+    #[error("{}: a file stands where a folder should be; name another folder or move the file", path.display())]
     FileInTheWay { path: PathBuf },
-    #[error("{}: a folder stands where this file should be written; name another place with --out or move the folder", path.display())]
+    #[error("{}: a folder stands where this file should be written; name another place or move the folder", path.display())]
     FolderInTheWay { path: PathBuf },
-    #[error("{}: cannot be written; name a folder you may write to with --out, or free space and permissions there", path.display())]
+    #[error("{}: cannot be written; name a folder you may write to, or mend its permissions and free space", path.display())]
     NotWritable {
         path: PathBuf,
         #[source]
