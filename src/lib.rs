@@ -3,10 +3,14 @@
 //! Data flows one way: spectra → medium → yarn → radiance factor → cloth → rig → colour → comparison → report.
 //! A module uses the ones listed before it and never one listed after it.
 
+pub mod cloth;
 pub mod colour;
+pub mod compare;
 pub mod geometry;
 pub mod optics;
 pub mod report;
+pub mod rig;
 pub mod sample;
+pub mod shading;
 pub mod spectrum;
 pub mod study;

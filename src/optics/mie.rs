@@ -144,18 +144,13 @@ impl Mie {
         0.5 * (s1.norm_sqr() + s2.norm_sqr())
     }
 
-    /// Highest order n kept: (|S1|² + |S2|²) is a polynomial in cos θ of degree 2n.
-    pub fn order(&self) -> usize {
-        self.sums.len()
-    }
-
     fn from_coefficients(x: f64, mut series: Vec<Coefficients>) -> Self {
         let size = |n: usize, c: &Coefficients| (2 * n + 3) as f64 * (c.a.value.norm() + c.b.value.norm());
         let largest = series.iter().enumerate().map(|(n, c)| size(n, c)).fold(0.0, f64::max);
         while series.len() > 3
             && series
                 .last()
-                .is_some_and(|c| size(series.len() - 1, c) < 1e-19 * largest)
+                .is_some_and(|c| size(series.len() - 1, c) < 1e-17 * largest)
         {
             series.pop();
         }

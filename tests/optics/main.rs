@@ -1,5 +1,6 @@
 //! The optics against outside references and laws.
 
+mod medium;
 mod mie;
 mod reference;
 mod structure_factor;

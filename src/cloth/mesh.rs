@@ -1,0 +1,82 @@
+use super::{CentreLine, ClothSpec, System};
+use crate::geometry::Vec3;
+use std::f64::consts::TAU;
+
+/// Point of a yarn's surface. `normal` and `axis` are those of the smooth tube, unit length and perpendicular.
+pub(super) struct Vertex {
+    pub position: Vec3,
+    pub normal: Vec3,
+    pub axis: Vec3,
+}
+
+/// Four vertices, in order around the facet, of yarn `index` of a system. Split in two triangles along 0–2.
+pub(super) struct Quad {
+    pub corners: [u32; 4],
+    pub system: System,
+    pub index: u32,
+}
+
+/// One repeat of every yarn of the draft.
+#[derive(Default)]
+pub(super) struct Mesh {
+    pub vertices: Vec<Vertex>,
+    pub quads: Vec<Quad>,
+}
+
+impl Mesh {
+    pub fn new(spec: &ClothSpec, warps: &[CentreLine], wefts: &[CentreLine]) -> Self {
+        let mut mesh = Self::default();
+        for (system, lines) in [(System::Warp, warps), (System::Weft, wefts)] {
+            for (index, line) in lines.iter().enumerate() {
+                mesh.add_tube(spec, system, index, line);
+            }
+        }
+        mesh
+    }
+
+    /// Circular sections perpendicular to the centre line, evenly spaced in the cloth's plane. The centre line is a
+    /// plane curve, so the section's frame does not twist.
+    fn add_tube(&mut self, spec: &ClothSpec, system: System, index: usize, line: &CentreLine) {
+        let rings = line.crossings() * spec.segments_along;
+        let radius_mm = spec.radius_mm(system);
+        let across_mm = (index as f64 + 0.5) * spec.spacing_mm(system);
+        let (forward, lateral) = match system {
+            System::Warp => (Vec3::x(), Vec3::y()),
+            System::Weft => (Vec3::y(), Vec3::x()),
+        };
+        let first = self.vertices.len();
+        for ring in 0..=rings {
+            // The closing ring repeats the first one period on, bit for bit, so neighbouring cells join without a gap.
+            let along_mm = line.repeat_mm() * (ring % rings) as f64 / rings as f64;
+            let shift = forward * if ring == rings { line.repeat_mm() } else { 0.0 };
+            let (height_mm, slope) = line.height_and_slope(along_mm);
+            let axis = (forward + Vec3::z() * slope).normalize();
+            let upward = (Vec3::z() - forward * slope).normalize();
+            let centre = forward * along_mm + lateral * across_mm + Vec3::z() * height_mm;
+            for k in 0..spec.segments_around {
+                let (sin, cos) = (TAU * k as f64 / spec.segments_around as f64).sin_cos();
+                let normal = lateral * cos + upward * sin;
+                self.vertices.push(Vertex {
+                    position: centre + normal * radius_mm + shift,
+                    normal,
+                    axis,
+                });
+            }
+        }
+        let vertex = |ring: usize, k: usize| (first + ring * spec.segments_around + k % spec.segments_around) as u32;
+        for ring in 0..rings {
+            for k in 0..spec.segments_around {
+                self.quads.push(Quad {
+                    corners: [
+                        vertex(ring, k),
+                        vertex(ring + 1, k),
+                        vertex(ring + 1, k + 1),
+                        vertex(ring, k + 1),
+                    ],
+                    system,
+                    index: index as u32,
+                });
+            }
+        }
+    }
+}

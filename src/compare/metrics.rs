@@ -1,0 +1,228 @@
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::propagation::{Channels, Estimate, Propagation, check};
+use super::{Channel, CompareError, Geometry, Inputs, RmseRatio, Source, Verdict};
+
+/// Functions of (model mean, measured) that [`Propagation`] turns into estimates.
+pub(super) struct Curves<'a> {
+    geometries: &'a [Geometry],
+    classical: &'a [Channels],
+    /// Which reading exists; the values come with every call.
+    measured: Vec<bool>,
+    normal: usize,
+}
+
+impl<'a> Curves<'a> {
+    pub(super) fn new(inputs: &Inputs<'a>, model_mean: &[Channels]) -> Result<Self, CompareError> {
+        let count = inputs.geometries.len();
+        check("classical", inputs.classical, count)?;
+        if inputs.measured.len() != count {
+            return Err(CompareError::Length {
+                what: "measured".into(),
+                expected: count,
+                found: inputs.measured.len(),
+            });
+        }
+        let normal = inputs
+            .geometries
+            .iter()
+            .position(|g| g.theta_i_deg == 0.0 && g.theta_v_deg == 0.0)
+            .ok_or(CompareError::NoNormal { what: "a geometry" })?;
+        let reading = inputs.measured[normal].ok_or(CompareError::NoNormal {
+            what: "a measured value",
+        })?;
+        let y = Channel::Y as usize;
+        for (what, luminance) in [
+            ("the measured sample", reading.beta[y]),
+            ("the model", model_mean[normal][y]),
+            ("the classical model", inputs.classical[normal][y]),
+        ] {
+            if luminance <= 0.0 {
+                return Err(CompareError::Dark { what, luminance });
+            }
+        }
+        Ok(Self {
+            geometries: inputs.geometries,
+            classical: inputs.classical,
+            measured: inputs.measured.iter().map(Option::is_some).collect(),
+            normal,
+        })
+    }
+
+    /// Index of normal incidence and view.
+    pub(super) fn normal(&self) -> usize {
+        self.normal
+    }
+
+    pub(super) fn theta_v_deg(&self, j: usize) -> f64 {
+        self.geometries[j].theta_v_deg
+    }
+
+    /// Incidences that were measured, ascending, with the geometries measured at each, by ascending view.
+    pub(super) fn incidences(&self) -> Vec<(f64, Vec<usize>)> {
+        let mut order: Vec<usize> = (0..self.geometries.len()).filter(|&j| self.measured[j]).collect();
+        let angles = |j: usize| (self.geometries[j].theta_i_deg, self.geometries[j].theta_v_deg);
+        order.sort_by(|&a, &b| {
+            let (a, b) = (angles(a), angles(b));
+            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        order
+            .chunk_by(|&a, &b| angles(a).0 == angles(b).0)
+            .map(|views| (angles(views[0]).0, views.to_vec()))
+            .collect()
+    }
+
+    /// measured/source luminance at the normal; 1 for the measurement itself.
+    pub(super) fn coefficient(&self, source: Source, model: &[Channels], measured: &[Option<Channels>]) -> f64 {
+        let raw = |source| self.raw(source, self.normal, Channel::Y, model, measured);
+        match source {
+            Source::Measured => 1.0,
+            _ => raw(Source::Measured) / raw(source),
+        }
+    }
+
+    /// Normalised β.
+    pub(super) fn value(
+        &self,
+        source: Source,
+        j: usize,
+        channel: Channel,
+        model: &[Channels],
+        measured: &[Option<Channels>],
+    ) -> f64 {
+        self.coefficient(source, model, measured) * self.raw(source, j, channel, model, measured)
+    }
+
+    fn raw(
+        &self,
+        source: Source,
+        j: usize,
+        channel: Channel,
+        model: &[Channels],
+        measured: &[Option<Channels>],
+    ) -> f64 {
+        let c = channel as usize;
+        match source {
+            Source::Model => model[j][c],
+            Source::Classical => self.classical[j][c],
+            Source::Measured => measured[j].map_or(f64::NAN, |beta| beta[c]),
+        }
+    }
+
+    pub(super) fn rmse(
+        &self,
+        source: Source,
+        channel: Channel,
+        views: &[usize],
+        model: &[Channels],
+        measured: &[Option<Channels>],
+    ) -> f64 {
+        let coefficient = self.coefficient(source, model, measured);
+        let square = |&j: &usize| {
+            let value = coefficient * self.raw(source, j, channel, model, measured);
+            (value - self.raw(Source::Measured, j, channel, model, measured)).powi(2)
+        };
+        (views.iter().map(square).sum::<f64>() / views.len() as f64).sqrt()
+    }
+
+    pub(super) fn mean_measured(&self, channel: Channel, views: &[usize], measured: &[Option<Channels>]) -> f64 {
+        let sum: f64 = views
+            .iter()
+            .map(|&j| self.raw(Source::Measured, j, channel, &[], measured))
+            .sum();
+        sum / views.len() as f64
+    }
+}
+
+/// Angle of the highest value, by the parabola through it and its neighbours; an end of the range if it is there, NaN
+/// for a flat or undefined curve. Of equal heights the first counts.
+pub(super) fn peak_angle_deg(angles_deg: &[f64], values: &[f64]) -> f64 {
+    /// Differences of this size, relative, are rounding.
+    const FLAT: f64 = 1e-12;
+    let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let Some(top) = values.iter().position(|v| *v == highest) else {
+        return f64::NAN;
+    };
+    if highest - lowest <= FLAT * highest.abs() {
+        return f64::NAN;
+    }
+    if top == 0 || top + 1 == values.len() {
+        return angles_deg[top];
+    }
+    let (left, right) = (
+        angles_deg[top] - angles_deg[top - 1],
+        angles_deg[top + 1] - angles_deg[top],
+    );
+    let (drop_left, drop_right) = (highest - values[top - 1], highest - values[top + 1]);
+    let bend = left * drop_right + right * drop_left;
+    angles_deg[top] + 0.5 * (right * right * drop_left - left * left * drop_right) / bend
+}
+
+/// Interval and verdict from ln(RMSE classical) − ln(RMSE model).
+pub(super) fn ratio_of(log: &Estimate, propagation: &Propagation, theta_i_deg: f64, channel: Channel) -> RmseRatio {
+    let half = t_quantile(log, propagation.batches()) * log.se;
+    let interval = [(log.value - half).exp(), (log.value + half).exp()];
+    let defined = log.value.is_finite() && interval.iter().all(|end| end.is_finite());
+    RmseRatio {
+        theta_i_deg,
+        channel,
+        ratio: log.value.exp(),
+        interval: defined.then_some(interval),
+        verdict: match interval {
+            [low, _] if defined && low > 1.0 => Verdict::Better,
+            [_, high] if defined && high < 1.0 => Verdict::Worse,
+            _ => Verdict::CannotTell,
+        },
+    }
+}
+
+/// 97.5 % quantile of Student's t. Only the Monte Carlo part was estimated from few numbers: its B − 1 degrees of freedom
+/// count in proportion to its share (Welch–Satterthwaite), the measurement's errors are given.
+fn t_quantile(estimate: &Estimate, batches: usize) -> f64 {
+    const NORMAL: f64 = 1.959_963_984_540_054;
+    /// From here on the t quantile exceeds the normal one by less than 3e-6.
+    const MANY: f64 = 1e6;
+    if estimate.se_monte_carlo == 0.0 {
+        return NORMAL;
+    }
+    let freedom = (batches as f64 - 1.0) * (estimate.se / estimate.se_monte_carlo).powi(4);
+    match StudentsT::new(0.0, 1.0, freedom) {
+        Ok(t) if freedom < MANY => t.inverse_cdf(0.975),
+        Ok(_) => NORMAL,
+        Err(_) => f64::NAN,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_peak_of_a_parabola_is_exact_on_any_steps() {
+        let angles = [-40.0, -10.0, 5.0, 15.0, 60.0];
+        let parabola = angles.map(|a: f64| 3.0 - 0.001 * (a - 7.3).powi(2));
+        assert!((peak_angle_deg(&angles, &parabola) - 7.3).abs() < 1e-12);
+        assert_eq!(peak_angle_deg(&angles, &angles), 60.0);
+        assert_eq!(peak_angle_deg(&angles, &angles.map(|a| -a)), -40.0);
+        assert!(peak_angle_deg(&angles, &[0.3; 5]).is_nan());
+        assert!(peak_angle_deg(&angles, &[f64::NAN; 5]).is_nan());
+        assert!(peak_angle_deg(&[], &[]).is_nan());
+    }
+
+    #[test]
+    fn t_quantile_of_the_tables() {
+        let estimate = |mc: f64, measurement: f64| Estimate {
+            value: 0.0,
+            se: mc.hypot(measurement),
+            bias_monte_carlo: 0.0,
+            se_monte_carlo: mc,
+            se_measurement: measurement,
+        };
+        // Two-sided 5 % points, 7 degrees of freedom 2.3646, 28 (7 times 2 squared) 2.0484.
+        assert!((t_quantile(&estimate(1.0, 0.0), 8) - 2.3646).abs() < 5e-5);
+        assert!((t_quantile(&estimate(1.0, 1.0), 8) - 2.0484).abs() < 5e-5);
+        assert!((t_quantile(&estimate(0.0, 1.0), 8) - 1.95996).abs() < 5e-6);
+        assert!((t_quantile(&estimate(1e-3, 1.0), 8) - 1.95996).abs() < 5e-6);
+    }
+}

@@ -1,0 +1,84 @@
+use super::RigError;
+use crate::cloth::{Cloth, System};
+use crate::geometry::{Frame, Vec3};
+use rand::{Rng, RngExt};
+
+/// Smallest cosine to the normal at which a visible point is shaded.
+const GRAZING_COSINE: f64 = 1e-6;
+
+/// Strata of the unit cell, one jittered camera ray in each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelSamples {
+    along_x: usize,
+    along_y: usize,
+}
+
+impl PixelSamples {
+    pub fn new(along_x: usize, along_y: usize) -> Result<Self, RigError> {
+        if [along_x, along_y].iter().all(|n| (1..=65536).contains(n)) {
+            Ok(Self { along_x, along_y })
+        } else {
+            Err(RigError::Samples { along_x, along_y })
+        }
+    }
+
+    pub fn count(&self) -> usize {
+        self.along_x * self.along_y
+    }
+}
+
+/// What a camera ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interaction {
+    /// Components (tangent, axis, normal) of the direction towards the light; any direction of the sphere.
+    pub omega_in_local: Vec3,
+    /// Components of the direction towards the viewer, always above the surface: where a facet faces the viewer but the
+    /// smooth normal does not, the direction is turned up to the horizon (cosine 1e-6).
+    pub omega_out_local: Vec3,
+    pub frame: Frame,
+    pub system: System,
+    /// No other yarn stands between the point and the light. The yarn's own shadow is part of its radiance factor.
+    pub lit: bool,
+}
+
+/// Sees one unit cell from far away along `omega_out` with light from `omega_in`, and hands every camera ray's
+/// interaction to `visit`, `None` for a ray through a gap. `omega_out` must be above the cloth's plane, `omega_in` may
+/// be below it: cloth lit from behind.
+///
+/// Rays are evenly spread over the cell in the cloth's plane, so the plain mean of the radiances that `visit` finds,
+/// gaps included, is the radiance of the cloth; no division by cosθ_v is owed.
+pub fn view_cell(
+    cloth: &Cloth,
+    omega_in: &Vec3,
+    omega_out: &Vec3,
+    samples: &PixelSamples,
+    rng: &mut impl Rng,
+    mut visit: impl FnMut(Option<Interaction>),
+) {
+    let [cell_x, cell_y] = cloth.cell_mm();
+    let above = omega_out * (2.0 * cloth.top_mm() / omega_out.z);
+    let inwards = -omega_out;
+    for row in 0..samples.along_y {
+        for column in 0..samples.along_x {
+            let x = (column as f64 + rng.random::<f64>()) / samples.along_x as f64 * cell_x;
+            let y = (row as f64 + rng.random::<f64>()) / samples.along_y as f64 * cell_y;
+            let origin = Vec3::new(x, y, 0.0) + above;
+            visit(cloth.intersect(&origin, &inwards).map(|hit| Interaction {
+                omega_in_local: hit.frame.to_local(omega_in),
+                omega_out_local: above_horizon(hit.frame.to_local(omega_out)),
+                frame: hit.frame,
+                system: hit.system(),
+                lit: !cloth.occluded(&hit.position, omega_in, hit.yarn),
+            }));
+        }
+    }
+}
+
+fn above_horizon(local: Vec3) -> Vec3 {
+    if local.z >= GRAZING_COSINE {
+        return local;
+    }
+    // A direction straight down never comes here: the viewer sees the facet, whose normal is close to the smooth one.
+    let along_surface = Vec3::new(local.x, local.y, 0.0).normalize();
+    along_surface * (1.0 - GRAZING_COSINE * GRAZING_COSINE).sqrt() + Vec3::z() * GRAZING_COSINE
+}

@@ -1,0 +1,55 @@
+//! Shading about the normal of a flat cloth, as renderers do it: Lambert, Cook–Torrance, and their sum, the classical
+//! model that a physical one has to beat.
+//!
+//! Directions are unit vectors from the surface in the cloth's coordinates, the normal is +z.
+
+mod classical;
+mod specular;
+
+pub use classical::{Classical, Lambert};
+pub use specular::{Distribution, Specular};
+
+use std::f64::consts::PI;
+
+/// Radiance per irradiance of the surface, 1/sr.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Brdf(pub f64);
+
+impl Brdf {
+    /// π f: radiance relative to that of a perfect diffuser under the same light.
+    pub fn brightness_factor(self) -> BrightnessFactor {
+        BrightnessFactor(PI * self.0)
+    }
+}
+
+impl std::ops::Add for Brdf {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+}
+
+/// π L / E with E the irradiance of the cloth's plane; 1 for a perfect diffuser.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct BrightnessFactor(pub f64);
+
+impl BrightnessFactor {
+    /// The BRDF that shows this factor, 1/sr.
+    pub fn brdf(self) -> Brdf {
+        Brdf(self.0 / PI)
+    }
+}
+
+/// Which parameter of a shading model is out of range.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ShadingError {
+    #[error("specular roughness: expected 0.001 to 1 (slope of the facets, no unit), found {found}")]
+    Roughness { found: f64 },
+    #[error("specular index: expected a refractive index of at least 1, found {found}")]
+    Index { found: f64 },
+    #[error("specular weight: expected a fraction from 0 to 1, found {found}")]
+    Weight { found: f64 },
+    #[error("{name}: expected a finite brightness factor of at least 0, found {found}")]
+    Factor { name: String, found: f64 },
+}

@@ -1,0 +1,273 @@
+//! The virtual goniophotometer on things whose appearance is known.
+
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use specval::cloth::{CentreLineKind, Cloth, ClothSpec, System, Weave};
+use specval::rig::{Interaction, PixelSamples, Rig, RigError, brightness_factor, omega_in, omega_out, view_cell};
+use specval::shading::{BrightnessFactor, Lambert};
+use std::f64::consts::PI;
+
+type Vec3 = Vector3<f64>;
+
+fn rng(seed: u64) -> Xoshiro256PlusPlus {
+    Xoshiro256PlusPlus::seed_from_u64(seed)
+}
+
+fn fine() -> ClothSpec {
+    ClothSpec {
+        segments_around: 128,
+        segments_along: 64,
+        ..ClothSpec::default()
+    }
+}
+
+/// Mean of a value over the cell's camera rays.
+fn mean(cloth: &Cloth, l: &Vec3, v: &Vec3, n: usize, seed: u64, value: impl Fn(Option<Interaction>) -> f64) -> f64 {
+    let samples = PixelSamples::new(n, n).unwrap();
+    let mut sum = 0.0;
+    view_cell(cloth, l, v, &samples, &mut rng(seed), |interaction| {
+        sum += value(interaction)
+    });
+    sum / samples.count() as f64
+}
+
+#[test]
+fn angles_follow_the_signed_convention() {
+    let (l, v) = (omega_in(30.0, 0.0), omega_out(30.0, 0.0));
+    assert!((l - Vec3::new(-0.5, 0.0, 0.75f64.sqrt())).norm() < 1e-15);
+    // The mirror direction of the light is at plus θ_i, the light itself at minus.
+    assert!((v - Vec3::new(-l.x, -l.y, l.z)).norm() < 1e-15);
+    assert!((omega_out(-30.0, 70.0) - omega_in(30.0, 70.0)).norm() < 1e-15);
+    let turned = omega_out(40.0, 90.0);
+    assert!((turned - Vec3::new(0.0, 40f64.to_radians().sin(), 40f64.to_radians().cos())).norm() < 1e-15);
+}
+
+#[test]
+fn angles_out_of_range_are_refused() {
+    let rig = Rig::default();
+    assert_eq!(rig.incidences_deg(), [0.0, 30.0, 60.0]);
+    assert_eq!(rig.views_deg().len(), 27);
+    assert_eq!((rig.views_deg()[0], rig.views_deg()[26]), (-60.0, 70.0));
+    assert_eq!(Rig::new(vec![], vec![0.0]), Err(RigError::NoAngles));
+    assert_eq!(
+        Rig::new(vec![-1.0], vec![0.0]),
+        Err(RigError::Incidence { found: -1.0 })
+    );
+    assert_eq!(
+        Rig::new(vec![90.0], vec![0.0]),
+        Err(RigError::Incidence { found: 90.0 })
+    );
+    assert_eq!(
+        Rig::new(vec![0.0], vec![0.0, -90.0]),
+        Err(RigError::View { found: -90.0 })
+    );
+    assert!(Rig::new(vec![0.0], vec![f64::NAN]).is_err());
+    assert!(Rig::new(vec![f64::NAN], vec![0.0]).is_err());
+    assert!(PixelSamples::new(0, 4).is_err());
+    assert!(PixelSamples::new(4, 1 << 20).is_err());
+}
+
+#[test]
+fn a_perfect_diffuser_has_factor_one_at_every_angle() {
+    let rig = Rig::default();
+    let white = Lambert::new(BrightnessFactor(1.0)).unwrap();
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
+    for &theta_i in rig.incidences_deg() {
+        let cos_i = theta_i.to_radians().cos();
+        for &theta_v in rig.views_deg() {
+            let (l, v) = (omega_in(theta_i, 20.0), omega_out(theta_v, 20.0));
+            let sheet = white.brdf(&l, &v).0 * l.z;
+            assert!((brightness_factor(sheet, cos_i).0 - 1.0).abs() < 1e-14);
+            // Cloth and gaps that shine alike: no cosine of the view is left over.
+            let shining = mean(&cloth, &l, &v, 8, 1, |_| cos_i / PI);
+            assert!(
+                (brightness_factor(shining, cos_i).0 - 1.0).abs() < 1e-13,
+                "{theta_i} {theta_v}"
+            );
+        }
+    }
+}
+
+/// The part of a plain weave's cell that yarns of radius R at spacing p hide from straight above.
+fn coverage_from_above(radius_mm: f64, spacing_mm: f64) -> f64 {
+    1.0 - (1.0 - 2.0 * radius_mm / spacing_mm).powi(2)
+}
+
+#[test]
+fn seen_from_above_either_system_shows_half_the_cover() {
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
+    let see = |system| move |i: Option<Interaction>| f64::from(u8::from(i.is_some_and(|i| i.system == system)));
+    let z = Vec3::z();
+    let half = 0.5 * coverage_from_above(0.15, 0.54);
+    for system in [System::Warp, System::Weft] {
+        let found = mean(&cloth, &z, &z, 400, 2, see(system));
+        assert!((found - half).abs() < 5e-4, "{system} {found} {half}");
+    }
+}
+
+/// Gaps of an open weave in an independent renderer: tests/data/cloth_open_weave_gaps.csv.
+#[test]
+fn gaps_agree_with_an_independent_renderer() {
+    let cloth = Cloth::new(&ClothSpec {
+        weave: Weave::Plain,
+        centre_line: CentreLineKind::Sinusoid { amplitude_mm: 0.126 },
+        warp_radius_mm: 0.125,
+        weft_radius_mm: 0.125,
+        warp_spacing_mm: 0.6,
+        weft_spacing_mm: 0.6,
+        segments_around: 128,
+        segments_along: 64,
+    })
+    .unwrap();
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path("tests/data/cloth_open_weave_gaps.csv")
+        .unwrap();
+    let mut rows = 0;
+    for row in reader.deserialize() {
+        let (theta_deg, reference, reference_se): (f64, f64, f64) = row.unwrap();
+        // Eight runs give the standard error of the stratified mean.
+        let runs: Vec<f64> = (0..8)
+            .map(|seed| {
+                let v = omega_out(theta_deg, 0.0);
+                mean(&cloth, &v, &v, 250, seed, |i| f64::from(u8::from(i.is_none())))
+            })
+            .collect();
+        let found = runs.iter().sum::<f64>() / 8.0;
+        let variance = runs.iter().map(|r| (r - found).powi(2)).sum::<f64>() / 56.0;
+        let z = (found - reference) / (variance + reference_se * reference_se).sqrt();
+        assert!(z.abs() < 3.5, "{theta_deg}: {found} against {reference}, z {z}");
+        rows += 1;
+    }
+    assert_eq!(rows, 2);
+}
+
+#[test]
+fn local_directions_are_those_of_the_world() {
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
+    let (l, v) = (omega_in(60.0, 35.0), omega_out(65.0, 35.0));
+    let (mut seen, mut lit, mut turned_up) = (0, 0, 0);
+    view_cell(
+        &cloth,
+        &l,
+        &v,
+        &PixelSamples::new(150, 150).unwrap(),
+        &mut rng(3),
+        |interaction| {
+            let Some(i) = interaction else { return };
+            assert!((i.frame.to_world(&i.omega_in_local) - l).norm() < 1e-14);
+            assert!((i.omega_out_local.norm() - 1.0).abs() < 1e-14 && i.omega_out_local.z > 0.0);
+            // Turned up to the horizon at most by the angle between a facet and the smooth yarn.
+            let turn = (i.frame.to_world(&i.omega_out_local) - v).norm();
+            assert!(turn < 0.08, "{turn}");
+            turned_up += i32::from(turn > 1e-12);
+            assert!(match i.system {
+                System::Warp => i.frame.axis.y.abs() < 1e-12 && i.frame.axis.x > 0.6,
+                System::Weft => i.frame.axis.x.abs() < 1e-12 && i.frame.axis.y > 0.6,
+            });
+            seen += 1;
+            lit += i32::from(i.lit);
+        },
+    );
+    assert!(
+        lit > 0 && lit < seen && turned_up * 50 < seen,
+        "{seen} {lit} {turned_up}"
+    );
+}
+
+#[test]
+fn light_along_the_line_of_sight_casts_no_visible_shadow() {
+    let cloth = Cloth::new(&ClothSpec {
+        weave: Weave::Twill21,
+        ..ClothSpec::default()
+    })
+    .unwrap();
+    for theta in [0.0, 40.0, 80.0] {
+        let v = omega_out(theta, 50.0);
+        let samples = PixelSamples::new(60, 60).unwrap();
+        view_cell(&cloth, &v, &v, &samples, &mut rng(4), |i| {
+            assert!(i.is_none_or(|i| i.lit), "{theta}")
+        });
+    }
+}
+
+#[test]
+fn the_same_seed_sees_the_same() {
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
+    let (l, v) = (omega_in(30.0, 0.0), omega_out(-20.0, 0.0));
+    let look = |seed| {
+        let mut all = Vec::new();
+        view_cell(
+            &cloth,
+            &l,
+            &v,
+            &PixelSamples::new(20, 30).unwrap(),
+            &mut rng(seed),
+            |i| all.push(i),
+        );
+        all
+    };
+    assert_eq!(look(5).len(), 600);
+    assert_eq!(look(5), look(5));
+    assert_ne!(look(5), look(6));
+}
+
+/// Helmholtz: ∫ (n·l)⁺ (n·v)⁺ over the surface both seen and lit does not know which is which. The rig, seeing along v, has
+/// the (n·v) in its measure: cosθ_v times its mean of (n·l)⁺ is the integral per area of cloth. Here with the shadow of the
+/// yarn on itself, which a ray from just outside the surface finds.
+#[test]
+fn light_and_viewer_may_change_places() {
+    let cloth = Cloth::new(&fine()).unwrap();
+    let [cell_x, cell_y] = cloth.cell_mm();
+    let half = |l: &Vec3, v: &Vec3, seed: u64| {
+        let mut rng = rng(seed);
+        let n = 250;
+        let mut sum = 0.0;
+        for k in 0..n * n {
+            let x = (f64::from(k % n) + rng.random::<f64>()) / f64::from(n) * cell_x;
+            let y = (f64::from(k / n) + rng.random::<f64>()) / f64::from(n) * cell_y;
+            let origin = Vec3::new(x, y, 0.0) + v * (1.0 / v.z);
+            let Some(hit) = cloth.intersect(&origin, &-v) else {
+                continue;
+            };
+            let cos_l = hit.frame.normal.dot(l);
+            // A facet's depth off the surface, so that the facet itself is not in the way.
+            if cos_l > 0.0 && cloth.intersect(&(hit.position + hit.frame.normal * 2e-4), l).is_none() {
+                sum += cos_l;
+            }
+        }
+        v.z * sum / f64::from(n * n)
+    };
+    for (a, b) in [(0.0, 50.0), (30.0, -60.0), (60.0, 20.0), (70.0, -40.0)] {
+        let (l, v) = (omega_out(a, 25.0), omega_out(b, 25.0));
+        let (one, other) = (half(&l, &v, 6), half(&v, &l, 7));
+        assert!((one - other).abs() < 2e-3 * one, "{a} {b}: {one} {other}");
+    }
+}
+
+/// The outward normals of a convex or any closed tube sum up to its silhouette: seen along v, the mean over the cell of 1 is
+/// covered + gaps, and from either side of the cloth the same is covered.
+#[test]
+fn cover_is_the_same_from_both_sides_and_grows_with_the_angle() {
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
+    let [cell_x, cell_y] = cloth.cell_mm();
+    let mut last = coverage_from_above(0.15, 0.54) - 1e-3;
+    for theta in [0.0, 20.0, 40.0, 55.0] {
+        let v = omega_out(theta, 0.0);
+        let above = mean(&cloth, &v, &v, 300, 8, |i| f64::from(u8::from(i.is_some())));
+        let mut rng = rng(9);
+        let n = 300;
+        let below = (0..n * n)
+            .filter(|k| {
+                let x = (f64::from(k % n) + rng.random::<f64>()) / f64::from(n) * cell_x;
+                let y = (f64::from(k / n) + rng.random::<f64>()) / f64::from(n) * cell_y;
+                cloth.intersect(&(Vec3::new(x, y, 0.0) - v * (1.0 / v.z)), &v).is_some()
+            })
+            .count() as f64
+            / f64::from(n * n);
+        assert!((above - below).abs() < 1.5e-3, "{theta}: {above} {below}");
+        assert!(above > last, "{theta}: {above}");
+        last = above;
+    }
+}
