@@ -12,6 +12,7 @@ fn main() -> ExitCode {
     cli::exit(terminal.start_threads(&options).and_then(|()| match command {
         Command::Init(arguments) => cli::init::run(&arguments, &terminal),
         Command::Mie(arguments) => cli::mie::run(&arguments, &terminal),
+        Command::Medium(arguments) => cli::medium::run(&arguments, &terminal),
         Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),
     }))
 }

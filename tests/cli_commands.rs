@@ -148,6 +148,108 @@ fn init_writes_the_built_in_study_once() {
 }
 
 #[test]
+fn medium_prints_the_reference_coefficients() {
+    let scratch = tempfile::tempdir().unwrap();
+    let study = scratch.path().join("clear.toml");
+    std::fs::write(&study, "[medium]\nkappa_peak = 0.0\n").unwrap();
+    let medium = json(&["medium", study.to_str().unwrap(), "--json"]);
+    // tests/data/mie/mie_cotton.csv: diameter 150 nm, κ = 0.
+    let reference = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/mie/mie_cotton.csv");
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(reference)
+        .unwrap();
+    let mut compared = 0;
+    for row in reader.deserialize::<std::collections::HashMap<String, String>>() {
+        let row = row.unwrap();
+        let number = |column: &str| row[column].parse::<f64>().unwrap();
+        if row["size"] != "d150" || number("kappa") != 0.0 {
+            continue;
+        }
+        let wavelengths = medium["wavelength_nm"].as_array().unwrap();
+        let at = wavelengths
+            .iter()
+            .position(|nm| nm.as_f64() == Some(number("lambda_nm")))
+            .unwrap();
+        for (field, tolerance) in [("mu_s_per_mm", 1e-10), ("mu_a_per_mm", 1e-10), ("g", 1e-6)] {
+            let found = medium[field][at].as_f64().unwrap();
+            approx::assert_relative_eq!(found, number(field), max_relative = tolerance);
+        }
+        compared += 1;
+    }
+    assert!(compared > 0);
+}
+
+#[test]
+fn medium_absorbs_with_the_dye_of_the_study() {
+    let scratch = tempfile::tempdir().unwrap();
+    let at = |name: &str| scratch.path().join(name).to_str().unwrap().to_owned();
+    std::fs::write(at("dye.csv"), "wavelength_nm,value\n380,0.5\n550,1\n740,0\n").unwrap();
+    std::fs::write(at("study.toml"), format!("[medium]\ndye = {:?}\n", at("dye.csv"))).unwrap();
+    let built_in = json(&["medium", "--json"]);
+    let own = json(&["medium", &at("study.toml"), "--json"]);
+    assert_eq!(built_in["wavelength_nm"].as_array().unwrap().len(), 35);
+    assert_ne!(built_in["mu_a_per_mm"], own["mu_a_per_mm"]);
+    let absorption: Vec<f64> = own["mu_a_per_mm"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|v| v.as_f64().unwrap())
+        .collect();
+    assert!(
+        absorption[34] < 0.1 * absorption[16],
+        "no dye in the red: {absorption:?}"
+    );
+    let text = String::from_utf8(specval(&["medium"]).stdout).unwrap();
+    assert!(
+        text.starts_with("wavelength_nm") && text.lines().count() == 36,
+        "{text}"
+    );
+}
+
+#[test]
+fn bad_studies_are_refused_with_file_line_and_key() {
+    let scratch = tempfile::tempdir().unwrap();
+    let at = |name: &str| scratch.path().join(name).to_str().unwrap().to_owned();
+    for (text, expected) in [
+        (
+            "[medium]\nvolume_fractoin = 0.1\n",
+            &["line 2", "volume_fractoin", "did you mean", "volume_fraction"][..],
+        ),
+        (
+            "[medium]\nvolume_fraction = 0.8\n",
+            &["line 2", "volume_fraction", "0.74", "0.8"],
+        ),
+        ("[medium]\nkappa_peak = -0.1\n", &["line 2", "kappa_peak", "-0.1"]),
+        ("[yarn]\nradius_mm = -1.0\n", &["line 2", "radius_mm", "mm", "-1"]),
+        (
+            "[medium]\ndye = \"RR196\"\n",
+            &["medium.dye", "RR196", "did you mean 'RR195'", "nor is there a file"],
+        ),
+        (
+            "[spectrum]\nwavelengths_nm = [500.0, 500.0]\n",
+            &["line 2", "wavelengths_nm", "ascending"],
+        ),
+        (
+            "[spectrum]\nwavelength_max_nm = 3000.0\n",
+            &["preprint-red", "380..780 nm"],
+        ),
+        ("seed = \n", &["line 1"]),
+    ] {
+        std::fs::write(at("study.toml"), text).unwrap();
+        let message = refusal(&["medium", &at("study.toml")]);
+        for part in expected {
+            assert!(message.contains(part), "{text}: {part} is missing in {message}");
+        }
+    }
+    let message = refusal(&["medium", &at("none.toml")]);
+    assert!(
+        message.contains("none.toml") && message.contains("specval init"),
+        "{message}"
+    );
+}
+
+#[test]
 fn colour_prints_the_reference_colours() {
     // tests/data/colour/spectra_test.csv and colour_expected.csv, spectrum 29 under D65 and the 2 degree observer.
     let spectra = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/colour/spectra_test.csv");

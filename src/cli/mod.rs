@@ -4,7 +4,9 @@
 
 pub mod colour;
 pub mod init;
+pub mod medium;
 pub mod mie;
+mod study;
 mod terminal;
 
 pub use terminal::{Failure, Terminal, exit};
@@ -28,6 +30,8 @@ pub enum Command {
     Init(init::Arguments),
     /// Mie scattering of one sphere: efficiencies and amplitudes.
     Mie(mie::Arguments),
+    /// Scattering and absorption of the yarn's medium at each wavelength.
+    Medium(medium::Arguments),
     /// Colours of spectra: XYZ, linear RGB and Lab.
     Colour(colour::Arguments),
 }
