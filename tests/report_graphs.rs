@@ -3,6 +3,7 @@
 mod report_data;
 
 use report_data::{SOURCES, curves, data, views};
+use specval::compare::{Channel, Source};
 use specval::report::*;
 
 fn decoded(png: &[u8]) -> (u32, u32, Vec<u8>) {

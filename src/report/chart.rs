@@ -1,7 +1,8 @@
 //! The drawing of one graph: R in a large panel, G and B beside it on their own ordinates.
 
-use super::tables::with_error;
-use super::{Channel, CurvePoint, ReportData, Source};
+use super::ReportData;
+use super::tables::{channel_name, with_error};
+use crate::compare::{Channel, CurvePoint, Source};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::BoldPoints;
 use plotters::coord::types::RangedCoordf64;
@@ -132,14 +133,15 @@ impl Figure<'_> {
         if present.contains(&Source::Measured) {
             sentences.push(format!("Sample: {} ({}). {}", sample.name, sample.kind, sample.caption));
         }
-        let factors: Vec<String> = self
-            .data
-            .normalisation
+        if let Some(normalisation) = &self.data.normalisation {
+            let factors: Vec<String> = [
+                (Source::Model, "model", normalisation.model),
+                (Source::Classical, "classical", normalisation.classical),
+            ]
             .iter()
-            .filter(|(source, _)| present.contains(source))
-            .map(|(source, estimate)| format!("{} × {}", source.name(), with_error(estimate.value, estimate.se)))
+            .filter(|(source, ..)| present.contains(source))
+            .map(|(_, name, factor)| format!("{name} × {}", with_error(factor.value, factor.se)))
             .collect();
-        if !factors.is_empty() {
             sentences.push(format!(
                 "Normalisation: {} (measured luminance divided by its own, at normal light and view; a perfect model has 1).",
                 factors.join(", ")
@@ -323,10 +325,11 @@ fn draw_panel<DB: DrawingBackend>(
     for (points, look) in &curves {
         draw_line(&mut chart, points, *look)?;
     }
+    let name = channel_name(channel);
     let title = if curves.iter().any(|(points, _)| !points.is_empty()) {
-        channel.name().to_owned()
+        name.to_owned()
     } else {
-        format!("{}: no data", channel.name())
+        format!("{name}: no data")
     };
     area.draw_text(&title, &text(PANEL_PX), at(left + label_width, 4))
 }

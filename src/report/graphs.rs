@@ -1,5 +1,6 @@
 use super::chart::{self, Figure};
-use super::{ReportData, ReportError, Source};
+use super::{ReportData, ReportError};
+use crate::compare::Source;
 use plotters::prelude::*;
 
 /// Width and height of a graph, px.

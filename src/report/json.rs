@@ -1,8 +1,6 @@
-use super::{
-    Convention, Estimate, Metric, Provenance, ReportData, ReportError, RmseRatio, SampleNote, Source, Table1Row,
-};
+use super::{Convention, Provenance, ReportData, ReportError, SampleNote, Table1Row};
+use crate::compare::{Normalisation, Peak, Rmse, RmseRatio};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// `report.json`: metrics and provenance. Curves and energy have tables of their own.
 #[derive(Serialize)]
@@ -11,11 +9,10 @@ struct Document<'a> {
     colour_convention: &'a str,
     table1: &'a [Table1Row],
     conventions: &'a [Convention],
-    normalisation: &'a BTreeMap<Source, Estimate>,
-    rmse: &'a [Metric],
-    relative_rmse: &'a [Metric],
-    peak_angle_deg: &'a [Metric],
-    rmse_ratio: &'a [RmseRatio],
+    normalisation: &'a Option<Normalisation>,
+    rmse: &'a [Rmse],
+    peaks: &'a [Peak],
+    rmse_ratios: &'a [RmseRatio],
     sample: &'a SampleNote,
     provenance: &'a Provenance,
 }
@@ -29,9 +26,8 @@ pub fn report_json(data: &ReportData) -> Result<String, ReportError> {
         conventions: &data.conventions,
         normalisation: &data.normalisation,
         rmse: &data.rmse,
-        relative_rmse: &data.relative_rmse,
-        peak_angle_deg: &data.peak_angle_deg,
-        rmse_ratio: &data.rmse_ratio,
+        peaks: &data.peaks,
+        rmse_ratios: &data.rmse_ratios,
         sample: &data.sample,
         provenance: &data.provenance,
     };

@@ -1,7 +1,7 @@
 //! The one plain result everything in this room is a pure function of.
 
+use crate::compare::{ColourRatios, CurvePoint, Normalisation, Peak, Rmse, RmseRatio};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// Everything a report shows. No clock, host name or path stands in it outside [`Provenance`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -15,77 +15,15 @@ pub struct ReportData {
     /// The same ratios under every other convention.
     pub conventions: Vec<Convention>,
     pub energy: Vec<EnergyRow>,
-    /// Coefficient every value of the source was multiplied by; a perfect model has 1.
-    pub normalisation: BTreeMap<Source, Estimate>,
-    /// RMSE against the measured sample, in brightness factors.
-    pub rmse: Vec<Metric>,
-    /// RMSE divided by the mean measured brightness factor, dimensionless.
-    pub relative_rmse: Vec<Metric>,
-    /// Signed view angle of the highest brightness factor, degrees.
-    pub peak_angle_deg: Vec<Metric>,
+    /// `None` without a measured sample, and then nothing is normalised.
+    pub normalisation: Option<Normalisation>,
+    /// Against the measured sample, in brightness factors and relative to its mean.
+    pub rmse: Vec<Rmse>,
+    pub peaks: Vec<Peak>,
     /// RMSE(classical)/RMSE(model).
-    pub rmse_ratio: Vec<RmseRatio>,
+    pub rmse_ratios: Vec<RmseRatio>,
     pub sample: SampleNote,
     pub provenance: Provenance,
-}
-
-/// Where a brightness factor comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Source {
-    Model,
-    Classical,
-    Measured,
-}
-
-impl Source {
-    pub fn name(self) -> &'static str {
-        match self {
-            Source::Model => "model",
-            Source::Classical => "classical",
-            Source::Measured => "measured",
-        }
-    }
-}
-
-/// Linear RGB channel, or luminance Y.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Channel {
-    R,
-    G,
-    B,
-    Y,
-}
-
-impl Channel {
-    pub fn name(self) -> &'static str {
-        match self {
-            Channel::R => "R",
-            Channel::G => "G",
-            Channel::B => "B",
-            Channel::Y => "Y",
-        }
-    }
-}
-
-/// A value with its standard error (one standard deviation), in the unit of the value.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Estimate {
-    pub value: f64,
-    pub se: f64,
-}
-
-/// One point of one curve; β is dimensionless, 1 for a perfect diffuser.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CurvePoint {
-    pub theta_i_deg: f64,
-    /// Signed: negative on the light's side of the normal.
-    pub theta_v_deg: f64,
-    pub source: Source,
-    pub channel: Channel,
-    pub beta: f64,
-    pub se: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -106,6 +44,30 @@ pub struct Table1Row {
     pub blue_over_red_se: Option<f64>,
     pub green_over_red: Option<f64>,
     pub green_over_red_se: Option<f64>,
+}
+
+impl Table1Row {
+    /// Ratios with their standard errors.
+    pub fn estimated(row: Table1Name, ratios: &ColourRatios) -> Self {
+        Self {
+            row,
+            blue_over_red: Some(ratios.blue_over_red.value),
+            blue_over_red_se: Some(ratios.blue_over_red.se),
+            green_over_red: Some(ratios.green_over_red.value),
+            green_over_red_se: Some(ratios.green_over_red.se),
+        }
+    }
+
+    /// Ratios that come without an error.
+    pub fn bare(row: Table1Name, blue_over_red: f64, green_over_red: f64) -> Self {
+        Self {
+            row,
+            blue_over_red: Some(blue_over_red),
+            blue_over_red_se: None,
+            green_over_red: Some(green_over_red),
+            green_over_red_se: None,
+        }
+    }
 }
 
 /// Table 1 under one colour convention.
@@ -135,50 +97,6 @@ pub struct EnergyRow {
     pub roulette_se: f64,
     pub residual: f64,
     pub residual_se: f64,
-}
-
-/// One number about one curve; the field that holds it names its unit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Metric {
-    pub theta_i_deg: f64,
-    pub source: Source,
-    pub channel: Channel,
-    pub value: f64,
-    pub se: f64,
-}
-
-/// What an interval of RMSE(classical)/RMSE(model) says about the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// The whole interval lies above 1.
-    Better,
-    /// The whole interval lies below 1.
-    Worse,
-    /// The interval holds 1.
-    CannotTell,
-}
-
-impl Verdict {
-    pub fn words(self) -> &'static str {
-        match self {
-            Verdict::Better => "better",
-            Verdict::Worse => "worse",
-            Verdict::CannotTell => "cannot tell",
-        }
-    }
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RmseRatio {
-    pub theta_i_deg: f64,
-    pub channel: Channel,
-    pub value: f64,
-    pub low: f64,
-    pub high: f64,
-    /// Probability content of `low..high`, such as 0.95.
-    pub confidence: f64,
-    pub verdict: Verdict,
 }
 
 /// What the sample is, in words that go below every graph and table it appears in.

@@ -1,5 +1,6 @@
-use super::tables::{rounded, with_error};
-use super::{Channel, EnergyRow, ReportData, Source, Table1Name};
+use super::tables::{channel_name, rounded, with_error};
+use super::{EnergyRow, ReportData, Table1Name};
+use crate::compare::{Channel, Rmse, RmseRatio, Source, Verdict};
 use std::fmt::Write;
 
 /// What the terminal shows after a report: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every
@@ -50,13 +51,14 @@ fn table1(text: &mut String, data: &ReportData) {
 }
 
 fn comparison(text: &mut String, data: &ReportData) {
-    for (source, estimate) in &data.normalisation {
-        let _ = writeln!(
-            text,
-            "{0} multiplied by {1} (measured/{0} luminance at normal light and view)",
-            source.name(),
-            with_error(estimate.value, estimate.se)
-        );
+    if let Some(normalisation) = &data.normalisation {
+        for (name, factor) in [("model", normalisation.model), ("classical", normalisation.classical)] {
+            let _ = writeln!(
+                text,
+                "{name} multiplied by {} (measured/{name} luminance at normal light and view)",
+                with_error(factor.value, factor.se)
+            );
+        }
     }
     if data.rmse.is_empty() {
         return;
@@ -72,30 +74,33 @@ fn comparison(text: &mut String, data: &ReportData) {
             .rmse
             .iter()
             .find(|metric| metric.source == Source::Classical && here(metric.theta_i_deg, metric.channel));
-        let verdict = data
-            .rmse_ratio
+        let ratio = data
+            .rmse_ratios
             .iter()
-            .find(|ratio| here(ratio.theta_i_deg, ratio.channel))
-            .map(|ratio| {
-                format!(
-                    "{} (ratio {}, {} % interval {} to {})",
-                    ratio.verdict.words(),
-                    rounded(ratio.value),
-                    ratio.confidence * 100.0,
-                    rounded(ratio.low),
-                    rounded(ratio.high)
-                )
-            });
+            .find(|ratio| here(ratio.theta_i_deg, ratio.channel));
+        let error = |rmse: &Rmse| with_error(rmse.rmse.value, rmse.rmse.se);
         let _ = writeln!(
             text,
             "{:>8}° {:>7} {:>18} {:>18}   {}",
             model.theta_i_deg,
-            model.channel.name(),
-            with_error(model.value, model.se),
-            classical.map_or_else(|| "–".to_owned(), |metric| with_error(metric.value, metric.se)),
-            verdict.unwrap_or_default()
+            channel_name(model.channel),
+            error(model),
+            classical.map_or_else(|| "–".to_owned(), error),
+            ratio.map(verdict).unwrap_or_default()
         );
     }
+}
+
+fn verdict(ratio: &RmseRatio) -> String {
+    let words = match ratio.verdict {
+        Verdict::Better => "better",
+        Verdict::Worse => "worse",
+        Verdict::CannotTell => "cannot tell",
+    };
+    let interval = ratio.interval.map_or_else(String::new, |[low, high]| {
+        format!(", 95 % interval {} to {}", rounded(low), rounded(high))
+    });
+    format!("{words} (ratio {}{interval})", rounded(ratio.ratio))
 }
 
 /// Extremes over all wavelengths and directions: the mean of a ledger says nothing, its worst row does.

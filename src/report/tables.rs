@@ -1,4 +1,5 @@
 use super::{ReportData, ReportError, Table1Name, Table1Row};
+use crate::compare::Channel;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -18,8 +19,13 @@ pub fn table1_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
 
 /// `curves.csv`: one line a point.
 pub fn curves_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
+    let rows: Vec<_> = data
+        .curves
+        .iter()
+        .map(|p| (p.theta_i_deg, p.theta_v_deg, p.source, p.channel, p.beta, p.se))
+        .collect();
     csv_of(
-        &data.curves,
+        &rows,
         &["theta_i_deg", "theta_v_deg", "source", "channel", "beta", "se"],
     )
 }
@@ -156,6 +162,16 @@ pub(super) fn rounded(value: f64) -> String {
             shorter.to_string()
         }
     })
+}
+
+/// As panels and columns are titled.
+pub(super) fn channel_name(channel: Channel) -> &'static str {
+    match channel {
+        Channel::R => "R",
+        Channel::G => "G",
+        Channel::B => "B",
+        Channel::Y => "Y",
+    }
 }
 
 fn or_dash(value: Option<f64>, se: Option<f64>) -> String {

@@ -1,7 +1,7 @@
 //! A made-up result with every part filled in.
 
+use specval::compare::*;
 use specval::report::*;
-use std::collections::BTreeMap;
 
 /// β of a made-up red cloth: a broad lobe about the mirror direction on a Lambert floor.
 fn beta(source: Source, channel: Channel, theta_i_deg: f64, theta_v_deg: f64) -> f64 {
@@ -41,6 +41,7 @@ pub fn curves(incidences_deg: &[f64], views_deg: &[f64], sources: &[Source]) -> 
                         channel,
                         beta,
                         se,
+                        interpolated: false,
                     });
                 }
             }
@@ -64,7 +65,7 @@ pub fn table1() -> Vec<Table1Row> {
         green_over_red_se: green_se,
     };
     vec![
-        row(Table1Name::Published, Some(0.08), None, Some(0.011), None),
+        Table1Row::bare(Table1Name::Published, 0.08, 0.011),
         row(
             Table1Name::Measured,
             Some(0.0595),
@@ -85,29 +86,34 @@ pub fn table1() -> Vec<Table1Row> {
 }
 
 pub fn data() -> ReportData {
-    let metric = |theta_i_deg, source, channel, value| Metric {
-        theta_i_deg,
-        source,
-        channel,
+    let estimate = |value, se| Estimate {
         value,
-        se: 0.1 * value,
+        se,
+        bias_monte_carlo: 0.0,
+        se_monte_carlo: se,
+        se_measurement: 0.0,
     };
     let mut rmse = Vec::new();
-    let mut rmse_ratio = Vec::new();
+    let mut rmse_ratios = Vec::new();
     for theta_i_deg in [0.0, 30.0, 60.0] {
-        rmse.push(metric(theta_i_deg, Source::Model, Channel::R, 0.011));
-        rmse.push(metric(theta_i_deg, Source::Classical, Channel::R, 0.022));
-        rmse_ratio.push(RmseRatio {
+        for (source, value) in [(Source::Model, 0.011), (Source::Classical, 0.022)] {
+            rmse.push(Rmse {
+                theta_i_deg,
+                source,
+                channel: Channel::R,
+                rmse: estimate(value, 0.1 * value),
+                relative: None,
+                views: 27,
+            });
+        }
+        rmse_ratios.push(RmseRatio {
             theta_i_deg,
             channel: Channel::R,
-            value: 2.0,
-            low: 1.3,
-            high: 2.9,
-            confidence: 0.95,
+            ratio: 2.0,
+            interval: Some([1.3, 2.9]),
             verdict: Verdict::Better,
         });
     }
-    let estimate = |value, se| Estimate { value, se };
     ReportData {
         wavelengths_nm: vec![500.0, 600.0],
         colour_convention: "CIE 1931 2°, D65, linear sRGB, no adaptation".to_owned(),
@@ -135,14 +141,19 @@ pub fn data() -> ReportData {
                 ..EnergyRow::default()
             },
         ],
-        normalisation: BTreeMap::from([
-            (Source::Model, estimate(0.931, 0.0121)),
-            (Source::Classical, estimate(1.0, 0.05)),
-        ]),
-        relative_rmse: rmse.clone(),
-        peak_angle_deg: vec![metric(30.0, Source::Model, Channel::R, 35.0)],
+        normalisation: Some(Normalisation {
+            model: estimate(0.931, 0.0121),
+            classical: estimate(1.0, 0.05),
+        }),
         rmse,
-        rmse_ratio,
+        peaks: vec![Peak {
+            theta_i_deg: 30.0,
+            source: Source::Model,
+            channel: Channel::R,
+            angle_deg: Some(estimate(35.0, 2.0)),
+            at_edge: false,
+        }],
+        rmse_ratios,
         sample: SampleNote {
             name: "MERL red-fabric".to_owned(),
             kind: "fit of a measurement".to_owned(),
