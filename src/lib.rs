@@ -8,6 +8,7 @@ pub mod colour;
 pub mod compare;
 pub mod geometry;
 pub mod optics;
+pub mod report;
 pub mod rig;
 pub mod sample;
 pub mod shading;

@@ -1,1 +1,18 @@
-fn main() {}
+//! `specval`: decides whether a physical model of cloth scatters light as a measured sample does.
+
+mod cli;
+
+use clap::Parser;
+use cli::{Command, Terminal, TypedCommand};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let TypedCommand { command, options } = TypedCommand::parse();
+    let terminal = Terminal::new(&options);
+    cli::exit(terminal.start_threads(&options).and_then(|()| match command {
+        Command::Init(arguments) => cli::init::run(&arguments, &terminal),
+        Command::Mie(arguments) => cli::mie::run(&arguments, &terminal),
+        Command::Medium(arguments) => cli::medium::run(&arguments, &terminal),
+        Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),
+    }))
+}

@@ -1,0 +1,88 @@
+use super::{Failure, Terminal};
+use serde::Serialize;
+use specval::colour::{Adaptation, Colour, ColourSystem, Convention, Illuminant, Observer, RgbSpace};
+use specval::spectrum::read_csv_spectra;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Sums run over exactly the wavelengths of the file; the perfect diffuser has Y = 1 and is the white of Lab. RGB is
+/// linear and never clipped.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// CSV of spectral brightness factors: the column wavelength_nm first, then one column a spectrum.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// cie1931-2deg or cie1964-10deg.
+    #[arg(long, default_value_t = Convention::default().observer)]
+    observer: Observer,
+    /// D65, D50, A, C or E.
+    #[arg(long, default_value_t = Convention::default().illuminant)]
+    illuminant: Illuminant,
+    /// srgb, cie-rgb or ntsc.
+    #[arg(long, default_value_t = Convention::default().rgb)]
+    rgb: RgbSpace,
+    /// none, or bradford: to the white of the RGB space.
+    #[arg(long, default_value_t = Convention::default().adaptation)]
+    adaptation: Adaptation,
+}
+
+#[derive(Serialize)]
+struct NamedColour {
+    name: String,
+    #[serde(flatten)]
+    colour: Colour,
+}
+
+pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
+    let convention = Convention {
+        observer: arguments.observer,
+        illuminant: arguments.illuminant,
+        rgb: arguments.rgb,
+        adaptation: arguments.adaptation,
+    };
+    let mut colours = Vec::new();
+    let mut system: Option<ColourSystem> = None;
+    for (name, samples) in read_csv_spectra(&arguments.file)? {
+        // All spectra of a file stand on one grid.
+        let system = match &mut system {
+            Some(system) => system,
+            empty => empty.insert(ColourSystem::new(samples.grid(), convention)?),
+        };
+        colours.push(NamedColour {
+            name,
+            colour: system.convert(samples.values()),
+        });
+    }
+    terminal.result(&colours, |colours| text(colours, convention))
+}
+
+fn text(colours: &[NamedColour], convention: Convention) -> String {
+    let width = colours
+        .iter()
+        .map(|colour| colour.name.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max(8);
+    let mut text = format!(
+        "{convention}; the perfect diffuser has Y = 1; RGB linear, not clipped\n\n{:<width$}",
+        "spectrum"
+    );
+    for title in ["X", "Y", "Z", "R", "G", "B", "L*", "a*", "b*"] {
+        let _ = write!(text, " {title:>11}");
+    }
+    text += "\n";
+    for NamedColour { name, colour } in colours {
+        let _ = write!(text, "{name:<width$}");
+        for value in [colour.xyz.x, colour.xyz.y, colour.xyz.z] {
+            let _ = write!(text, " {value:>11.7}");
+        }
+        for value in colour.linear_rgb.0 {
+            let _ = write!(text, " {value:>11.7}");
+        }
+        for value in colour.lab.0 {
+            let _ = write!(text, " {value:>11.5}");
+        }
+        text += if colour.in_gamut { "\n" } else { "  out of gamut\n" };
+    }
+    text
+}

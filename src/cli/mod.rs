@@ -1,0 +1,58 @@
+//! What was typed: one file per subcommand, and what all of them share.
+//!
+//! Exit codes: 0 done, 2 bad input, with the reason on stderr. A reader that closes stdout early is no error.
+
+pub mod colour;
+pub mod init;
+pub mod medium;
+pub mod mie;
+mod study;
+mod terminal;
+
+pub use terminal::{Failure, Terminal, exit};
+
+use clap::{Args, Parser, Subcommand};
+use std::num::{NonZeroU64, NonZeroUsize};
+
+/// Decides whether a physical model of cloth scatters light as a measured sample does.
+#[derive(Debug, Parser)]
+#[command(name = "specval", version, disable_help_subcommand = true)]
+pub struct TypedCommand {
+    #[command(subcommand)]
+    pub command: Command,
+    #[command(flatten)]
+    pub options: Options,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Write study.toml with every default and what it means.
+    Init(init::Arguments),
+    /// Mie scattering of one sphere: efficiencies and amplitudes.
+    Mie(mie::Arguments),
+    /// Scattering and absorption of the yarn's medium at each wavelength.
+    Medium(medium::Arguments),
+    /// Colours of spectra: XYZ, linear RGB and Lab.
+    Colour(colour::Arguments),
+}
+
+/// Options of every subcommand.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Everywhere")]
+pub struct Options {
+    /// Print one JSON document on stdout instead of text.
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Seed of the random streams, instead of the study's. The same seed gives the same bits.
+    #[arg(long, global = true, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Threads to work with [default: one a core]. Results do not depend on it.
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Paths for each incident direction, instead of the study's.
+    #[arg(long, global = true, value_name = "N")]
+    pub paths: Option<NonZeroU64>,
+    /// No progress and no notes on stderr.
+    #[arg(long, global = true)]
+    pub quiet: bool,
+}

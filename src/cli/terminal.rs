@@ -1,0 +1,75 @@
+use super::Options;
+use serde::Serialize;
+use std::error::Error;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+/// Any error of any room: what went wrong, where, what was expected, and the remedy are in its words.
+pub type Failure = Box<dyn Error>;
+
+/// Exit code of bad input, the same as for a mistyped flag.
+const BAD_INPUT: u8 = 2;
+
+/// Where results and notes go.
+#[derive(Debug)]
+pub struct Terminal {
+    json: bool,
+}
+
+impl Terminal {
+    pub fn new(options: &Options) -> Self {
+        Self { json: options.json }
+    }
+
+    /// Limits the number of threads. Without the option the pool starts by itself when first used, not for `--help`.
+    pub fn start_threads(&self, options: &Options) -> Result<(), Failure> {
+        if let Some(threads) = options.threads {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads.get())
+                .build_global()?;
+        }
+        Ok(())
+    }
+
+    /// Prints a result: the document with `--json`, else the text.
+    pub fn result<T: Serialize>(&self, document: &T, text: impl FnOnce(&T) -> String) -> Result<(), Failure> {
+        let out = if self.json {
+            serde_json::to_string_pretty(document)? + "\n"
+        } else {
+            text(document)
+        };
+        let mut stdout = io::stdout().lock();
+        stdout.write_all(out.as_bytes())?;
+        stdout.flush()?;
+        Ok(())
+    }
+}
+
+/// Tells an error with everything that caused it, and ends with the exit code that says so.
+pub fn exit(result: Result<(), Failure>) -> ExitCode {
+    let Err(failure) = result else {
+        return ExitCode::SUCCESS;
+    };
+    if is_broken_pipe(failure.as_ref()) {
+        return ExitCode::SUCCESS;
+    }
+    let mut message = format!("error: {failure}");
+    let mut cause = failure.source();
+    while let Some(error) = cause {
+        let words = error.to_string();
+        // An error that already quotes its cause does not need it twice.
+        if !message.contains(&words) {
+            message += &format!("\n  because: {words}");
+        }
+        cause = error.source();
+    }
+    // With stderr closed there is no one left to tell.
+    let _ = writeln!(io::stderr(), "{message}");
+    ExitCode::from(BAD_INPUT)
+}
+
+fn is_broken_pipe(failure: &(dyn Error + 'static)) -> bool {
+    failure
+        .downcast_ref::<io::Error>()
+        .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}

@@ -1,0 +1,460 @@
+//! The drawing of one graph: R in a large panel, G and B beside it on their own ordinates.
+
+use super::ReportData;
+use super::tables::{channel_name, with_error};
+use crate::compare::{Channel, CurvePoint, Source};
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::BoldPoints;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use plotters::style::register_font;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::ops::Range;
+use std::sync::Once;
+
+/// DejaVu Sans measures the text; where a viewer of the SVG lacks it, Verdana has the same widths.
+const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
+static REGISTER: Once = Once::new();
+
+/// Lengths below are in px of a 1600 by 1000 graph and drawn twice as large.
+const SCALE: i32 = 2;
+const MARGIN: i32 = 24;
+const CAPTION_LINE: i32 = 24;
+const TITLE_PX: i32 = 32;
+const PANEL_PX: i32 = 24;
+const TEXT_PX: i32 = 20;
+const TICK_PX: i32 = 19;
+
+/// What one graph shows.
+#[derive(Debug)]
+pub(super) struct Figure<'a> {
+    pub number: usize,
+    pub theta_i_deg: f64,
+    pub sources: &'static [Source],
+    pub data: &'a ReportData,
+}
+
+type DrawingError<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
+type Drawn<DB> = Result<(), DrawingError<DB>>;
+type Area<DB> = DrawingArea<DB, Shift>;
+type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// How a source is told apart, in colour and in grey.
+#[derive(Clone, Copy)]
+struct Look {
+    colour: RGBColor,
+    /// Lengths of stroke and gap; `None` is a solid line.
+    dash: Option<(i32, i32)>,
+    width: i32,
+    band_opacity: f64,
+}
+
+fn look(source: Source) -> Look {
+    match source {
+        Source::Model => Look {
+            colour: RGBColor(20, 70, 160),
+            dash: None,
+            width: 3,
+            band_opacity: 0.30,
+        },
+        Source::Measured => Look {
+            colour: RGBColor(25, 25, 25),
+            dash: Some((12, 7)),
+            width: 2,
+            band_opacity: 0.16,
+        },
+        Source::Classical => Look {
+            colour: RGBColor(205, 85, 0),
+            dash: Some((3, 5)),
+            width: 3,
+            band_opacity: 0.22,
+        },
+    }
+}
+
+impl Figure<'_> {
+    /// One curve in order of view angle; points that are not numbers are left out.
+    fn curve(&self, source: Source, channel: Channel) -> Vec<&CurvePoint> {
+        let mut points: Vec<_> = self
+            .data
+            .curves
+            .iter()
+            .filter(|p| p.theta_i_deg == self.theta_i_deg && p.source == source && p.channel == channel)
+            .filter(|p| p.theta_v_deg.is_finite() && p.beta.is_finite())
+            .collect();
+        points.sort_by(|a, b| a.theta_v_deg.total_cmp(&b.theta_v_deg));
+        points
+    }
+
+    /// The sources that have a curve here.
+    fn present(&self) -> Vec<Source> {
+        let has = |source: Source| {
+            [Channel::R, Channel::G, Channel::B]
+                .into_iter()
+                .any(|channel| !self.curve(source, channel).is_empty())
+        };
+        self.sources.iter().copied().filter(|&source| has(source)).collect()
+    }
+
+    fn title(&self) -> String {
+        let names: Vec<&str> = self
+            .present()
+            .into_iter()
+            .map(|source| match source {
+                Source::Model => "model",
+                Source::Measured => "measured cloth",
+                Source::Classical => "classical model",
+            })
+            .collect();
+        let names = match names.split_last() {
+            None => "no curves".to_owned(),
+            Some((last, [])) => (*last).to_owned(),
+            Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
+        };
+        format!(
+            "Graph {}. Light at {}° from the normal: {names}",
+            self.number, self.theta_i_deg
+        )
+    }
+
+    fn legend(&self, source: Source) -> String {
+        match source {
+            Source::Model => "model".to_owned(),
+            Source::Measured if self.data.sample.kind.is_empty() => "measured".to_owned(),
+            Source::Measured => format!("measured ({})", self.data.sample.kind),
+            Source::Classical => "classical model".to_owned(),
+        }
+    }
+
+    fn caption(&self) -> Vec<String> {
+        let present = self.present();
+        let sample = &self.data.sample;
+        let mut sentences = Vec::new();
+        if present.contains(&Source::Measured) {
+            sentences.push(format!("Sample: {} ({}). {}", sample.name, sample.kind, sample.caption));
+        }
+        if let Some(normalisation) = &self.data.normalisation {
+            let factors: Vec<String> = [
+                (Source::Model, "model", normalisation.model),
+                (Source::Classical, "classical", normalisation.classical),
+            ]
+            .iter()
+            .filter(|(source, ..)| present.contains(source))
+            .map(|(_, name, factor)| format!("{name} × {}", with_error(factor.value, factor.se)))
+            .collect();
+            sentences.push(format!(
+                "Normalisation: {} (measured luminance divided by its own, at normal light and view; a perfect model has 1).",
+                factors.join(", ")
+            ));
+        }
+        sentences.push(format!(
+            "β is 1 for a perfect diffuser. Colour: {}.",
+            self.data.colour_convention
+        ));
+        sentences
+    }
+
+    /// View angles shown, the same for every panel, degrees.
+    fn view_range(&self) -> Range<f64> {
+        let angles = self
+            .present()
+            .into_iter()
+            .flat_map(|source| [Channel::R, Channel::G, Channel::B].map(|channel| (source, channel)))
+            .flat_map(|(source, channel)| self.curve(source, channel));
+        let (low, high) = angles.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
+            (low.min(point.theta_v_deg), high.max(point.theta_v_deg))
+        });
+        if low > high {
+            return -90.0..90.0;
+        }
+        // A single view needs room to be seen in.
+        let pad = if high - low < 1.0 { 10.0 } else { 2.0 };
+        low - pad..high + pad
+    }
+
+    /// Ordinates of one panel: 0 and every band lie inside, with room for the labels of the light above.
+    fn ordinate_range(&self, channel: Channel) -> Range<f64> {
+        let (mut low, mut high) = (0.0_f64, 0.0_f64);
+        for &source in self.sources {
+            for point in self.curve(source, channel) {
+                let se = if point.se.is_finite() { point.se } else { 0.0 };
+                low = low.min(point.beta - se);
+                high = high.max(point.beta + se);
+            }
+        }
+        if high - low <= 0.0 {
+            return 0.0..1.0;
+        }
+        let span = high - low;
+        let below = if low < 0.0 { 0.06 * span } else { 0.0 };
+        low - below..high + 0.12 * span
+    }
+}
+
+/// Draws the whole graph.
+pub(super) fn draw<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure) -> Drawn<DB> {
+    // The embedded file is a valid font; were it not, drawing text would return the error.
+    REGISTER.call_once(|| {
+        drop(register_font(
+            FONT,
+            FontStyle::Normal,
+            include_bytes!("font/DejaVuSans.ttf"),
+        ))
+    });
+    root.fill(&WHITE)?;
+    let (width, height) = root.dim_in_pixel();
+    let (width, height) = (width as i32 / SCALE, height as i32 / SCALE);
+
+    root.draw_text(&figure.title(), &text(TITLE_PX), at(MARGIN, 16))?;
+    let top = draw_legend(root, figure, width)?;
+
+    let mut lines = Vec::new();
+    for sentence in figure.caption() {
+        wrap(root, &sentence, width - 2 * MARGIN, &mut lines)?;
+    }
+    let bottom = height - 12 - CAPTION_LINE * lines.len() as i32;
+    for (index, line) in lines.iter().enumerate() {
+        let y = bottom + CAPTION_LINE * index as i32;
+        root.draw_text(line, &text(TICK_PX), at(MARGIN, y))?;
+    }
+
+    let bottom = bottom - 8;
+    let middle = top + (bottom - top) / 2;
+    let split = width * 6 / 10;
+    draw_panel(root, figure, Channel::R, (0..split, top..bottom))?;
+    draw_panel(root, figure, Channel::G, (split..width, top..middle))?;
+    draw_panel(root, figure, Channel::B, (split..width, middle..bottom))
+}
+
+/// Lines, bands and what the bands are, in as many rows as it takes; gives the ordinate below them.
+fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure, width: i32) -> Result<i32, DrawingError<DB>> {
+    const SAMPLE: i32 = 64;
+    const ROW: i32 = 30;
+    let (mut x, mut y) = (MARGIN, 64);
+    let style = text(TEXT_PX);
+    let mut place = |label: &str, sample: i32| -> Result<(i32, i32), DrawingError<DB>> {
+        let needed = sample + root.estimate_text_size(label, &style)?.0 as i32 / SCALE + 32;
+        if x > MARGIN && x + needed > width {
+            (x, y) = (MARGIN, y + ROW);
+        }
+        let here = (x, y);
+        x += needed;
+        Ok(here)
+    };
+    for source in figure.present() {
+        let label = figure.legend(source);
+        let (x, y) = place(&label, SAMPLE + 10)?;
+        let look = look(source);
+        let band = look.colour.mix(look.band_opacity).filled();
+        root.draw(&Rectangle::new([at(x, y), at(x + SAMPLE, y + 20)], band))?;
+        let ends = [at(x, y + 10), at(x + SAMPLE, y + 10)];
+        match look.dash {
+            None => root.draw(&PathElement::new(ends, stroke(look)))?,
+            Some((dash, gap)) => {
+                for start in (0..SAMPLE).step_by((dash + gap) as usize) {
+                    let end = (start + dash).min(SAMPLE);
+                    let piece = [at(x + start, y + 10), at(x + end, y + 10)];
+                    root.draw(&PathElement::new(piece, stroke(look)))?;
+                }
+            }
+        }
+        root.draw_text(&label, &style, at(x + SAMPLE + 10, y + 2))?;
+    }
+    let label = "bands: ±1 standard error (sample: standard uncertainty)";
+    let (x, y) = place(label, 0)?;
+    root.draw_text(label, &style, at(x, y + 2))?;
+    Ok(y + ROW + 4)
+}
+
+fn draw_panel<DB: DrawingBackend>(
+    root: &Area<DB>,
+    figure: &Figure,
+    channel: Channel,
+    (columns, rows): (Range<i32>, Range<i32>),
+) -> Drawn<DB> {
+    let size = (columns.end - columns.start, rows.end - rows.start);
+    let area = root.clone().shrink(at(columns.start, rows.start), at(size.0, size.1));
+    let (views, ordinates) = (figure.view_range(), figure.ordinate_range(channel));
+    let ticks = (size.1 / 45).max(3) as usize;
+    let decimals = tick_decimals(&ordinates, ticks);
+    let label = |beta: &f64| minus(format!("{beta:.decimals$}"));
+    let mut label_width = 0;
+    for tick in key_points(&ordinates, ticks) {
+        label_width = label_width.max(root.estimate_text_size(&label(&tick), &text(TICK_PX))?.0 as i32 / SCALE);
+    }
+    let (left, label_width) = (16, label_width + 44);
+    let mut chart = ChartBuilder::on(&area)
+        .margin_left(left * SCALE)
+        .margin_right(20 * SCALE)
+        .margin_top(32 * SCALE)
+        .margin_bottom(4 * SCALE)
+        .x_label_area_size(56 * SCALE)
+        .y_label_area_size(label_width * SCALE)
+        .build_cartesian_2d(views.clone(), ordinates.clone())?;
+    chart
+        .configure_mesh()
+        .x_labels((size.0 / 50).max(3) as usize)
+        .y_labels(ticks)
+        .x_label_formatter(&|angle| minus(format!("{angle:.0}")))
+        .y_label_formatter(&label)
+        .x_desc("signed view angle, degrees (− light's side, + mirror side)")
+        .y_desc("brightness factor β, –")
+        .label_style(text(TICK_PX))
+        .axis_desc_style(text(TEXT_PX))
+        .axis_style(BLACK.stroke_width(SCALE as u32))
+        .bold_line_style(RGBColor(215, 215, 215).stroke_width(SCALE as u32))
+        .light_line_style(TRANSPARENT)
+        .set_all_tick_mark_size(5 * SCALE)
+        .draw()?;
+
+    draw_directions(&mut chart, figure.theta_i_deg, &views, &ordinates)?;
+    if ordinates.start < 0.0 {
+        let zero = [(views.start, 0.0), (views.end, 0.0)];
+        chart.draw_series([PathElement::new(zero, BLACK.stroke_width(SCALE as u32))])?;
+    }
+
+    let curves: Vec<_> = figure
+        .sources
+        .iter()
+        .map(|&s| (figure.curve(s, channel), look(s)))
+        .collect();
+    // No band may hide a line.
+    for (points, look) in &curves {
+        draw_band(&mut chart, points, *look)?;
+    }
+    for (points, look) in &curves {
+        draw_line(&mut chart, points, *look)?;
+    }
+    let name = channel_name(channel);
+    let title = if curves.iter().any(|(points, _)| !points.is_empty()) {
+        name.to_owned()
+    } else {
+        format!("{name}: no data")
+    };
+    area.draw_text(&title, &text(PANEL_PX), at(left + label_width, 4))
+}
+
+/// Where the light comes from and where a mirror would send it.
+fn draw_directions<DB: DrawingBackend>(
+    chart: &mut Chart<DB>,
+    theta_i_deg: f64,
+    views: &Range<f64>,
+    ordinates: &Range<f64>,
+) -> Drawn<DB> {
+    let marks: &[(f64, &str)] = if theta_i_deg == 0.0 {
+        &[(0.0, "light, mirror")]
+    } else {
+        &[(-theta_i_deg, "light"), (theta_i_deg, "mirror")]
+    };
+    let grey = RGBColor(110, 110, 110);
+    for &(angle, name) in marks.iter().filter(|(angle, _)| views.contains(angle)) {
+        let line = [(angle, ordinates.start), (angle, ordinates.end)];
+        chart.draw_series(DashedLineSeries::new(
+            line,
+            2 * SCALE,
+            5 * SCALE,
+            grey.stroke_width(SCALE as u32),
+        ))?;
+        let left_half = angle < (views.start + views.end) / 2.0;
+        let (h_pos, shift) = if left_half { (HPos::Left, 6) } else { (HPos::Right, -6) };
+        let style = text(TICK_PX).color(&grey).pos(Pos::new(h_pos, VPos::Top));
+        let label = EmptyElement::at((angle, ordinates.end)) + Text::new(name, at(shift, 5), style);
+        chart.draw_series([label])?;
+    }
+    Ok(())
+}
+
+/// Half the width a single view is drawn with, degrees.
+const STUB_DEG: f64 = 2.0;
+
+/// Abscissa, value and standard error of a curve; a single view becomes a short level stroke that a band can be seen on.
+fn strokes(points: &[&CurvePoint]) -> Vec<(f64, f64, f64)> {
+    match points {
+        [point] => [-STUB_DEG, STUB_DEG]
+            .map(|shift| (point.theta_v_deg + shift, point.beta, point.se))
+            .to_vec(),
+        points => points.iter().map(|p| (p.theta_v_deg, p.beta, p.se)).collect(),
+    }
+}
+
+fn draw_band<DB: DrawingBackend>(chart: &mut Chart<DB>, points: &[&CurvePoint], look: Look) -> Drawn<DB> {
+    let strokes = strokes(points);
+    if strokes.is_empty() || strokes.iter().any(|(_, _, se)| !se.is_finite()) {
+        return Ok(());
+    }
+    let upper: Vec<_> = strokes.iter().map(|(angle, beta, se)| (*angle, beta + se)).collect();
+    let lower: Vec<_> = strokes.iter().map(|(angle, beta, se)| (*angle, beta - se)).collect();
+    let outline: Vec<_> = upper.iter().chain(lower.iter().rev()).copied().collect();
+    let edge = look.colour.mix(0.5).stroke_width(SCALE as u32);
+    chart.draw_series([Polygon::new(outline, look.colour.mix(look.band_opacity).filled())])?;
+    chart.draw_series([upper, lower].map(|side| PathElement::new(side, edge)))?;
+    Ok(())
+}
+
+fn draw_line<DB: DrawingBackend>(chart: &mut Chart<DB>, points: &[&CurvePoint], look: Look) -> Drawn<DB> {
+    let line: Vec<_> = strokes(points).iter().map(|(angle, beta, _)| (*angle, *beta)).collect();
+    match look.dash {
+        None => chart.draw_series([PathElement::new(line, stroke(look))])?,
+        Some((dash, gap)) => chart.draw_series(DashedLineSeries::new(line, dash * SCALE, gap * SCALE, stroke(look)))?,
+    };
+    let dot = |point: &&CurvePoint| Circle::new((point.theta_v_deg, point.beta), 3 * SCALE, look.colour.filled());
+    chart.draw_series(points.iter().map(dot))?;
+    Ok(())
+}
+
+fn at(x: i32, y: i32) -> (i32, i32) {
+    (x * SCALE, y * SCALE)
+}
+
+fn text(px: i32) -> TextStyle<'static> {
+    TextStyle::from((FONT, px * SCALE)).color(&BLACK)
+}
+
+fn stroke(look: Look) -> ShapeStyle {
+    look.colour.stroke_width((look.width * SCALE) as u32)
+}
+
+/// Typographic minus, as wide as a plus.
+fn minus(number: String) -> String {
+    number.replace('-', "−")
+}
+
+/// Where the ticks of an axis stand.
+fn key_points(ordinates: &Range<f64>, ticks: usize) -> Vec<f64> {
+    RangedCoordf64::from(ordinates.clone()).key_points(BoldPoints(ticks))
+}
+
+/// The fewest decimals that print every tick exactly.
+fn tick_decimals(ordinates: &Range<f64>, ticks: usize) -> usize {
+    let span = ordinates.end - ordinates.start;
+    let points = key_points(ordinates, ticks);
+    let exact = |decimals: &usize| {
+        let unit = 10.0_f64.powi(*decimals as i32);
+        points
+            .iter()
+            .all(|tick| ((tick * unit).round() / unit - tick).abs() < 1e-6 * span)
+    };
+    (0..12).find(exact).unwrap_or(12)
+}
+
+/// Breaks a text at spaces into lines no wider than `width` px.
+fn wrap<DB: DrawingBackend>(root: &Area<DB>, sentence: &str, width: i32, lines: &mut Vec<String>) -> Drawn<DB> {
+    let style = text(TICK_PX);
+    let mut line = String::new();
+    for word in sentence.split_whitespace() {
+        let longer = if line.is_empty() {
+            word.to_owned()
+        } else {
+            format!("{line} {word}")
+        };
+        if !line.is_empty() && root.estimate_text_size(&longer, &style)?.0 as i32 > width * SCALE {
+            lines.push(std::mem::replace(&mut line, word.to_owned()));
+        } else {
+            line = longer;
+        }
+    }
+    if !line.is_empty() {
+        lines.push(line);
+    }
+    Ok(())
+}

@@ -1,0 +1,35 @@
+use super::{Convention, Provenance, ReportData, ReportError, SampleNote, Table1Row};
+use crate::compare::{Normalisation, Peak, Rmse, RmseRatio};
+use serde::Serialize;
+
+/// `report.json`: metrics and provenance. Curves and energy have tables of their own.
+#[derive(Serialize)]
+struct Document<'a> {
+    wavelengths_nm: &'a [f64],
+    colour_convention: &'a str,
+    table1: &'a [Table1Row],
+    conventions: &'a [Convention],
+    normalisation: &'a Option<Normalisation>,
+    rmse: &'a [Rmse],
+    peaks: &'a [Peak],
+    rmse_ratios: &'a [RmseRatio],
+    sample: &'a SampleNote,
+    provenance: &'a Provenance,
+}
+
+/// The JSON document of the report, indented, ending in a line feed. Numbers are the shortest that read back exactly.
+pub fn report_json(data: &ReportData) -> Result<String, ReportError> {
+    let document = Document {
+        wavelengths_nm: &data.wavelengths_nm,
+        colour_convention: &data.colour_convention,
+        table1: &data.table1,
+        conventions: &data.conventions,
+        normalisation: &data.normalisation,
+        rmse: &data.rmse,
+        peaks: &data.peaks,
+        rmse_ratios: &data.rmse_ratios,
+        sample: &data.sample,
+        provenance: &data.provenance,
+    };
+    Ok(serde_json::to_string_pretty(&document)? + "\n")
+}

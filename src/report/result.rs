@@ -1,0 +1,148 @@
+//! The one plain result everything in this room is a pure function of.
+
+use crate::compare::{ColourRatios, CurvePoint, Normalisation, Peak, Rmse, RmseRatio};
+use serde::Serialize;
+
+/// Everything a report shows. No clock, host name or path stands in it outside [`Provenance`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReportData {
+    /// Wavelength grid of the study, nm, ascending.
+    pub wavelengths_nm: Vec<f64>,
+    /// The convention the curves and `table1` are in, in words: observer, illuminant, RGB space, adaptation.
+    pub colour_convention: String,
+    pub curves: Vec<CurvePoint>,
+    pub table1: Vec<Table1Row>,
+    /// The same ratios under every other convention.
+    pub conventions: Vec<Convention>,
+    pub energy: Vec<EnergyRow>,
+    /// `None` without a measured sample, and then nothing is normalised.
+    pub normalisation: Option<Normalisation>,
+    /// Against the measured sample, in brightness factors and relative to its mean.
+    pub rmse: Vec<Rmse>,
+    pub peaks: Vec<Peak>,
+    /// RMSE(classical)/RMSE(model).
+    pub rmse_ratios: Vec<RmseRatio>,
+    pub sample: SampleNote,
+    pub provenance: Provenance,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Table1Name {
+    Published,
+    Measured,
+    Model,
+    ModelLow,
+    ModelHigh,
+}
+
+/// Ratios of linear RGB at normal illumination and view; `None` where there is no such value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Table1Row {
+    pub row: Table1Name,
+    pub blue_over_red: Option<f64>,
+    pub blue_over_red_se: Option<f64>,
+    pub green_over_red: Option<f64>,
+    pub green_over_red_se: Option<f64>,
+}
+
+impl Table1Row {
+    /// Ratios with their standard errors.
+    pub fn estimated(row: Table1Name, ratios: &ColourRatios) -> Self {
+        Self {
+            row,
+            blue_over_red: Some(ratios.blue_over_red.value),
+            blue_over_red_se: Some(ratios.blue_over_red.se),
+            green_over_red: Some(ratios.green_over_red.value),
+            green_over_red_se: Some(ratios.green_over_red.se),
+        }
+    }
+
+    /// Ratios that come without an error.
+    pub fn bare(row: Table1Name, blue_over_red: f64, green_over_red: f64) -> Self {
+        Self {
+            row,
+            blue_over_red: Some(blue_over_red),
+            blue_over_red_se: None,
+            green_over_red: Some(green_over_red),
+            green_over_red_se: None,
+        }
+    }
+}
+
+/// Table 1 under one colour convention.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Convention {
+    /// In words: observer, illuminant, RGB space, adaptation.
+    pub convention: String,
+    pub rows: Vec<Table1Row>,
+}
+
+/// Energy ledger of one wavelength and incident direction: fractions of the incident flux, each with its standard
+/// error. `residual` is 1 minus the sum of the others.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct EnergyRow {
+    pub wavelength_nm: f64,
+    pub theta_in_deg: f64,
+    pub phi_in_deg: f64,
+    pub reflected: f64,
+    pub reflected_se: f64,
+    pub ballistic: f64,
+    pub ballistic_se: f64,
+    pub scattered: f64,
+    pub scattered_se: f64,
+    pub absorbed: f64,
+    pub absorbed_se: f64,
+    pub roulette: f64,
+    pub roulette_se: f64,
+    pub residual: f64,
+    pub residual_se: f64,
+}
+
+/// What the sample is, in words that go below every graph and table it appears in.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SampleNote {
+    pub name: String,
+    /// "measured", "fit of a measurement", "synthetic".
+    pub kind: String,
+    pub source: String,
+    pub licence: String,
+    /// One or two sentences: what it is, its standard uncertainty, its RGB space.
+    pub caption: String,
+}
+
+/// SHA-256 of one input.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct InputDigest {
+    /// What the input is called in the study: a table's name or the file as typed.
+    pub name: String,
+    /// Lower-case hexadecimal.
+    pub sha256: String,
+}
+
+impl InputDigest {
+    pub fn of(name: impl Into<String>, bytes: &[u8]) -> Self {
+        use sha2::{Digest, Sha256};
+        let sha256 = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        Self {
+            name: name.into(),
+            sha256,
+        }
+    }
+}
+
+/// How the result came about. The number of threads is left out: results do not depend on it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Provenance {
+    pub version: String,
+    /// The command, word by word.
+    pub command: Vec<String>,
+    /// The study with every default filled in.
+    pub study: serde_json::Value,
+    pub seed: u64,
+    pub inputs: Vec<InputDigest>,
+    /// Everything that was done in another way than the study asks.
+    pub fallbacks: Vec<String>,
+    /// What the reader must know, such as a range the sweep does not reach.
+    pub notices: Vec<String>,
+}

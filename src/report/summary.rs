@@ -1,0 +1,141 @@
+use super::tables::{channel_name, rounded, with_error};
+use super::{EnergyRow, ReportData, Table1Name};
+use crate::compare::{Channel, Rmse, RmseRatio, Source, Verdict};
+use std::fmt::Write;
+
+/// What the terminal shows after a report: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every
+/// notice and fallback.
+pub fn summary(data: &ReportData) -> String {
+    let mut text = String::new();
+    table1(&mut text, data);
+    comparison(&mut text, data);
+    energy(&mut text, &data.energy);
+    let _ = writeln!(
+        text,
+        "\nsample: {} ({}). {}",
+        data.sample.name, data.sample.kind, data.sample.caption
+    );
+    for notice in &data.provenance.notices {
+        let _ = writeln!(text, "notice: {notice}");
+    }
+    for fallback in &data.provenance.fallbacks {
+        let _ = writeln!(text, "fallback: {fallback}");
+    }
+    text
+}
+
+fn table1(text: &mut String, data: &ReportData) {
+    let _ = writeln!(
+        text,
+        "{:<12} {:>10} {:>9} {:>10} {:>9}   ({})",
+        "Table 1", "BLUE/RED", "se", "GREEN/RED", "se", data.colour_convention
+    );
+    for row in &data.table1 {
+        let name = match row.row {
+            Table1Name::Published => "published",
+            Table1Name::Measured => "measured",
+            Table1Name::Model => "model",
+            Table1Name::ModelLow => "model low",
+            Table1Name::ModelHigh => "model high",
+        };
+        let show = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), rounded);
+        let _ = writeln!(
+            text,
+            "{name:<12} {:>10} {:>9} {:>10} {:>9}",
+            show(row.blue_over_red),
+            show(row.blue_over_red_se),
+            show(row.green_over_red),
+            show(row.green_over_red_se)
+        );
+    }
+}
+
+fn comparison(text: &mut String, data: &ReportData) {
+    if let Some(normalisation) = &data.normalisation {
+        for (name, factor) in [("model", normalisation.model), ("classical", normalisation.classical)] {
+            let _ = writeln!(
+                text,
+                "{name} multiplied by {} (measured/{name} luminance at normal light and view)",
+                with_error(factor.value, factor.se)
+            );
+        }
+    }
+    if data.rmse.is_empty() {
+        return;
+    }
+    let _ = writeln!(
+        text,
+        "\n{:<10} {:>7} {:>18} {:>18}   the model against the classical shading",
+        "incidence", "channel", "RMSE model", "RMSE classical"
+    );
+    for model in data.rmse.iter().filter(|metric| metric.source == Source::Model) {
+        let here = |theta_i_deg: f64, channel: Channel| theta_i_deg == model.theta_i_deg && channel == model.channel;
+        let classical = data
+            .rmse
+            .iter()
+            .find(|metric| metric.source == Source::Classical && here(metric.theta_i_deg, metric.channel));
+        let ratio = data
+            .rmse_ratios
+            .iter()
+            .find(|ratio| here(ratio.theta_i_deg, ratio.channel));
+        let error = |rmse: &Rmse| with_error(rmse.rmse.value, rmse.rmse.se);
+        let _ = writeln!(
+            text,
+            "{:>8}° {:>7} {:>18} {:>18}   {}",
+            model.theta_i_deg,
+            channel_name(model.channel),
+            error(model),
+            classical.map_or_else(|| "–".to_owned(), error),
+            ratio.map(verdict).unwrap_or_default()
+        );
+    }
+}
+
+fn verdict(ratio: &RmseRatio) -> String {
+    let words = match ratio.verdict {
+        Verdict::Better => "better",
+        Verdict::Worse => "worse",
+        Verdict::CannotTell => "cannot tell",
+    };
+    let interval = ratio.interval.map_or_else(String::new, |[low, high]| {
+        format!(", 95 % interval {} to {}", rounded(low), rounded(high))
+    });
+    format!("{words} (ratio {}{interval})", rounded(ratio.ratio))
+}
+
+/// Extremes over all wavelengths and directions: the mean of a ledger says nothing, its worst row does.
+fn energy(text: &mut String, rows: &[EnergyRow]) {
+    if rows.is_empty() {
+        return;
+    }
+    let _ = writeln!(
+        text,
+        "\n{:<10} {:>12} {:>12} {:>12}   fraction of the incident flux, {} rows",
+        "energy",
+        "lowest",
+        "mean",
+        "highest",
+        rows.len()
+    );
+    type Fraction = fn(&EnergyRow) -> f64;
+    let fractions: [(&str, Fraction); 6] = [
+        ("reflected", |row| row.reflected),
+        ("ballistic", |row| row.ballistic),
+        ("scattered", |row| row.scattered),
+        ("absorbed", |row| row.absorbed),
+        ("roulette", |row| row.roulette),
+        ("residual", |row| row.residual),
+    ];
+    for (name, of) in fractions {
+        let low = rows.iter().map(of).fold(f64::INFINITY, f64::min);
+        let high = rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        let mean = rows.iter().map(of).sum::<f64>() / rows.len() as f64;
+        let _ = writeln!(
+            text,
+            "{name:<10} {:>12} {:>12} {:>12}",
+            rounded(low),
+            rounded(mean),
+            rounded(high)
+        );
+    }
+}

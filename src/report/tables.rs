@@ -1,0 +1,195 @@
+use super::{ReportData, ReportError, Table1Name, Table1Row};
+use crate::compare::Channel;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// `table1.csv`: a missing value is an empty cell.
+pub fn table1_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
+    csv_of(
+        &data.table1,
+        &[
+            "row",
+            "blue_over_red",
+            "blue_over_red_se",
+            "green_over_red",
+            "green_over_red_se",
+        ],
+    )
+}
+
+/// `curves.csv`: one line a point.
+pub fn curves_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
+    let rows: Vec<_> = data
+        .curves
+        .iter()
+        .map(|p| (p.theta_i_deg, p.theta_v_deg, p.source, p.channel, p.beta, p.se))
+        .collect();
+    csv_of(
+        &rows,
+        &["theta_i_deg", "theta_v_deg", "source", "channel", "beta", "se"],
+    )
+}
+
+/// `energy.csv`: one line a wavelength and incident direction.
+pub fn energy_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
+    csv_of(
+        &data.energy,
+        &[
+            "wavelength_nm",
+            "theta_in_deg",
+            "phi_in_deg",
+            "reflected",
+            "reflected_se",
+            "ballistic",
+            "ballistic_se",
+            "scattered",
+            "scattered_se",
+            "absorbed",
+            "absorbed_se",
+            "roulette",
+            "roulette_se",
+            "residual",
+            "residual_se",
+        ],
+    )
+}
+
+/// Numbers come out as the shortest text that reads back exactly. The header is written even above no rows.
+fn csv_of<T: Serialize>(rows: &[T], header: &[&str]) -> Result<Vec<u8>, ReportError> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    writer.write_record(header)?;
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    writer
+        .into_inner()
+        .map_err(|error| ReportError::Csv(error.into_error().into()))
+}
+
+/// Table 1 for people: the four rows, the ratios under every convention, and what the numbers are.
+pub fn table1_markdown(data: &ReportData) -> String {
+    let mut text = String::from("# Table 1. Colour ratios at normal illumination and view\n\n");
+    text += "Ratios of linear RGB components of the brightness factor, diffuse part, dimensionless; ± one standard error.\n\n";
+    let _ = writeln!(text, "Colour convention: {}.\n", data.colour_convention);
+    text += "| | BLUE/RED | GREEN/RED |\n| --- | --- | --- |\n";
+    for (label, blue, green) in rows_for_people(&data.table1) {
+        let _ = writeln!(text, "| {label} | {blue} | {green} |");
+    }
+    if !data.conventions.is_empty() {
+        text += "\n## The same ratios under every colour convention\n\n";
+        text += "GREEN/RED of a red this deep is a small difference of large numbers: it moves with the convention far more than with the cloth.\n\n";
+        text += "| Convention | | BLUE/RED | GREEN/RED |\n| --- | --- | --- | --- |\n";
+        for convention in &data.conventions {
+            for (label, blue, green) in rows_for_people(&convention.rows) {
+                let _ = writeln!(
+                    text,
+                    "| {} | {label} | {blue} | {green} |",
+                    cell(&convention.convention)
+                );
+            }
+        }
+    }
+    if !data.provenance.notices.is_empty() {
+        text += "\n## Notices\n\n";
+        for notice in &data.provenance.notices {
+            let _ = writeln!(text, "- {notice}");
+        }
+    }
+    let sample = &data.sample;
+    let _ = writeln!(
+        text,
+        "\n[^published]: Red cotton of Voloboy, Galaktionov, Lobalzo, Keldysh Institute preprint 63 (2008), Table 1. \
+         The RGB space and the white of the published ratios are not stated there."
+    );
+    let _ = writeln!(
+        text,
+        "[^sample]: {}, kind: {}. {} Source: {}. Licence: {}.",
+        sample.name,
+        sample.kind,
+        sample.caption,
+        sample.source.trim_end_matches('.'),
+        sample.licence.trim_end_matches('.')
+    );
+    text += "[^range]: Lowest and highest ratio over the study's parameter sweep; \"model\" is at the study's own parameters.\n";
+    text
+}
+
+/// Label, BLUE/RED and GREEN/RED of published, measured, model and model range, each row only where the data have it.
+fn rows_for_people(rows: &[Table1Row]) -> Vec<(&'static str, String, String)> {
+    let find = |name| rows.iter().find(|row| row.row == name);
+    let mut out = Vec::new();
+    for (name, label) in [
+        (Table1Name::Published, "published[^published]"),
+        (Table1Name::Measured, "measured[^sample]"),
+        (Table1Name::Model, "model"),
+    ] {
+        if let Some(row) = find(name) {
+            out.push((
+                label,
+                or_dash(row.blue_over_red, row.blue_over_red_se),
+                or_dash(row.green_over_red, row.green_over_red_se),
+            ));
+        }
+    }
+    if let (Some(low), Some(high)) = (find(Table1Name::ModelLow), find(Table1Name::ModelHigh)) {
+        out.push((
+            "model range[^range]",
+            range(low.blue_over_red, high.blue_over_red),
+            range(low.green_over_red, high.green_over_red),
+        ));
+    }
+    out
+}
+
+/// A value and its standard error to the two leading digits of the error: 0.931 ± 0.012.
+pub(super) fn with_error(value: f64, se: f64) -> String {
+    if !value.is_finite() || !se.is_finite() || se <= 0.0 {
+        return format!("{} ± {}", rounded(value), rounded(se));
+    }
+    let decimals = (1.0 - se.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.decimals$} ± {se:.decimals$}")
+}
+
+/// Three significant digits without zeros at the end, which would claim a precision published values do not have; the
+/// exact numbers stand in the CSV tables.
+pub(super) fn rounded(value: f64) -> String {
+    let text = format!("{value:.2e}");
+    // What was just formatted as a number reads back as one.
+    text.parse::<f64>().map_or(text, |shorter| {
+        if shorter != 0.0 && (shorter.abs() < 1e-5 || shorter.abs() >= 1e7) {
+            format!("{shorter:e}")
+        } else {
+            shorter.to_string()
+        }
+    })
+}
+
+/// As panels and columns are titled.
+pub(super) fn channel_name(channel: Channel) -> &'static str {
+    match channel {
+        Channel::R => "R",
+        Channel::G => "G",
+        Channel::B => "B",
+        Channel::Y => "Y",
+    }
+}
+
+fn or_dash(value: Option<f64>, se: Option<f64>) -> String {
+    match (value, se) {
+        (None, _) => "–".to_owned(),
+        (Some(value), None) => rounded(value),
+        (Some(value), Some(se)) => with_error(value, se),
+    }
+}
+
+fn range(low: Option<f64>, high: Option<f64>) -> String {
+    match (low, high) {
+        (Some(low), Some(high)) => format!("{} to {}", rounded(low), rounded(high)),
+        _ => "–".to_owned(),
+    }
+}
+
+/// A bar would end the cell.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}
