@@ -10,6 +10,7 @@ pub mod geometry;
 pub mod optics;
 pub mod report;
 pub mod rig;
+pub mod run;
 pub mod sample;
 pub mod shading;
 pub mod spectrum;

@@ -10,9 +10,12 @@ fn main() -> ExitCode {
     let TypedCommand { command, options } = TypedCommand::parse();
     let terminal = Terminal::new(&options);
     cli::exit(terminal.start_threads(&options).and_then(|()| match command {
+        Command::Report(arguments) => cli::report::run(&arguments, &options, &terminal),
         Command::Init(arguments) => cli::init::run(&arguments, &terminal),
         Command::Mie(arguments) => cli::mie::run(&arguments, &terminal),
-        Command::Medium(arguments) => cli::medium::run(&arguments, &terminal),
+        Command::Medium(arguments) => cli::medium::run(&arguments, &options, &terminal),
+        Command::Trace(arguments) => cli::trace::run(&arguments, &options, &terminal),
+        Command::Measure(arguments) => cli::measure::run(&arguments, &options, &terminal),
         Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),
     }))
 }

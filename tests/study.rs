@@ -1,7 +1,8 @@
 //! The study file: what it accepts, what it refuses, and how it says so.
 
 use proptest::prelude::*;
-use specval::study::{InterferenceChoice, ObserverChoice, Study, StudyError, WeaveChoice};
+use specval::colour::Observer;
+use specval::study::{InterferenceChoice, Study, StudyError, WeaveChoice};
 
 fn refused(text: &str) -> StudyError {
     Study::from_toml(text, "my.toml").unwrap_err()
@@ -78,7 +79,7 @@ fn what_is_written_is_read_back() {
     study.spectrum.wavelengths_nm = Some(vec![400.0, 410.5]);
     study.medium.interference = InterferenceChoice::PercusYevick;
     study.cloth.weave = WeaveChoice::Twill21;
-    study.colour.observer = ObserverChoice::Cie1964;
+    study.colour.observer = Observer::Cie1964;
     study.trace.roulette_threshold = 1e-5;
     assert_eq!(Study::from_toml(&study.to_toml().unwrap(), "t"), Ok(study));
     assert_eq!(Study::from_toml("", "t"), Ok(Study::default()));

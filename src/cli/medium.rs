@@ -1,4 +1,4 @@
-use super::{Failure, Terminal, study};
+use super::{Failure, Options, Terminal, study};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -20,8 +20,8 @@ struct Coefficients {
     g: Vec<f64>,
 }
 
-pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
-    let medium = study::medium(&study::load(arguments.study.as_deref())?)?;
+pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
+    let medium = specval::run::medium(&study::load(arguments.study.as_deref(), options)?)?;
     let coefficients = Coefficients {
         wavelength_nm: medium.grid().nm().to_vec(),
         mu_s_per_mm: medium.mu_s_per_mm().to_vec(),

@@ -4,10 +4,13 @@
 
 pub mod colour;
 pub mod init;
+pub mod measure;
 pub mod medium;
 pub mod mie;
+pub mod report;
 mod study;
 mod terminal;
+pub mod trace;
 
 pub use terminal::{Failure, Terminal, exit};
 
@@ -26,12 +29,18 @@ pub struct TypedCommand {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Model and classical shading against a measured sample: graphs, Table 1, energy table.
+    Report(report::Arguments),
     /// Write study.toml with every default and what it means.
     Init(init::Arguments),
     /// Mie scattering of one sphere: efficiencies and amplitudes.
     Mie(mie::Arguments),
     /// Scattering and absorption of the yarn's medium at each wavelength.
     Medium(medium::Arguments),
+    /// Monte Carlo of the yarn: energy ledger, BSSRDF, radiance factor.
+    Trace(trace::Arguments),
+    /// Brightness factors of the woven model on the virtual rig.
+    Measure(measure::Arguments),
     /// Colours of spectra: XYZ, linear RGB and Lab.
     Colour(colour::Arguments),
 }

@@ -1,7 +1,8 @@
 use super::Options;
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::error::Error;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
 /// Any error of any room: what went wrong, where, what was expected, and the remedy are in its words.
@@ -14,11 +15,15 @@ const BAD_INPUT: u8 = 2;
 #[derive(Debug)]
 pub struct Terminal {
     json: bool,
+    quiet: bool,
 }
 
 impl Terminal {
     pub fn new(options: &Options) -> Self {
-        Self { json: options.json }
+        Self {
+            json: options.json,
+            quiet: options.quiet,
+        }
     }
 
     /// Limits the number of threads. Without the option the pool starts by itself when first used, not for `--help`.
@@ -38,10 +43,42 @@ impl Terminal {
         } else {
             text(document)
         };
+        self.print(&out)
+    }
+
+    /// Prints a text to stdout.
+    pub fn print(&self, text: &str) -> Result<(), Failure> {
         let mut stdout = io::stdout().lock();
-        stdout.write_all(out.as_bytes())?;
+        stdout.write_all(text.as_bytes())?;
         stdout.flush()?;
         Ok(())
+    }
+
+    /// A progress bar on stderr, where that is a terminal and nobody asked for quiet.
+    pub fn progress(&self, what: &'static str) -> Progress {
+        let bar = if self.quiet || !io::stderr().is_terminal() {
+            ProgressBar::hidden()
+        } else {
+            let style = ProgressStyle::with_template("{msg} {wide_bar} {percent} % {eta}");
+            ProgressBar::new(Progress::STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        };
+        Progress(bar.with_message(what))
+    }
+}
+
+/// How far a piece of work has come.
+pub struct Progress(ProgressBar);
+
+impl Progress {
+    const STEPS: u64 = 1_000_000;
+
+    /// Adds a share of the whole.
+    pub fn advance(&self, share: f64) {
+        self.0.inc((share * Self::STEPS as f64) as u64);
+    }
+
+    pub fn finish(&self) {
+        self.0.finish_and_clear();
     }
 }
 

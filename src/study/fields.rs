@@ -255,8 +255,8 @@ pub(super) const SECTIONS: &[Section] = &[
             field(
                 "estimator",
                 "",
-                Kind::Choice(&["independent", "shared"]),
-                "One wavelength a path, or one geometric path for all wavelengths.",
+                Kind::Choice(&["independent"]),
+                "How wavelengths share paths: independent is one wavelength a path.",
             ),
             field(
                 "batches",
@@ -317,7 +317,19 @@ pub(super) const SECTIONS: &[Section] = &[
                 CELLS,
                 "Exit directions: cells in the zenith angle.",
             ),
-            field("exit_phi_cells", "", CELLS, "Exit directions: cells in azimuth."),
+            field(
+                "exit_phi_cells",
+                "",
+                CELLS,
+                "Exit directions: cells in azimuth, a multiple of 4.",
+            ),
+            field(
+                "bssrdf_exit_theta_cells",
+                "",
+                CELLS,
+                "The same for the BSSRDF, whose table has two more axes.",
+            ),
+            field("bssrdf_exit_phi_cells", "", CELLS, "A multiple of 4."),
             field("z_cells", "", CELLS, "Cells along the yarn where light leaves."),
             field(
                 "tilts",
@@ -370,12 +382,17 @@ pub(super) const SECTIONS: &[Section] = &[
                 ),
                 "0.15",
             ),
-            field("segments_around", "", Kind::Integer(3, 10_000), "Facets around a yarn."),
+            field(
+                "segments_around",
+                "",
+                Kind::Integer(8, 1024),
+                "Facets around a yarn, a multiple of 4.",
+            ),
             field(
                 "segments_along",
                 "",
-                Kind::Integer(4, 100_000),
-                "Facets along a yarn in one unit cell.",
+                Kind::Integer(8, 1024),
+                "Facets along a yarn from one crossing to the next.",
             ),
             field(
                 "azimuth_deg",

@@ -12,11 +12,12 @@ mod validate;
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::colour::Convention as ColourSection;
 pub use error::{Place, StudyError};
 pub use sections::{
-    AdaptationChoice, CentreLineChoice, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
-    IlluminantChoice, InterferenceChoice, MeasuredSection, MediumSection, ObserverChoice, RgbChoice, RigSection,
-    ShadeWith, SpectrumSection, SpecularSection, SweepSection, TraceSection, WeaveChoice, YarnSection,
+    CentreLineChoice, ClothSection, DistributionChoice, EstimatorChoice, InterferenceChoice, MeasuredSection,
+    MediumSection, RigSection, ShadeWith, SpectrumSection, SpecularSection, SweepSection, TraceSection, WeaveChoice,
+    YarnSection,
 };
 
 /// A study. The default is the built-in one.

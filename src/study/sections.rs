@@ -99,6 +99,8 @@ pub struct TraceSection {
     pub exit_azimuth_cells: u32,
     pub exit_theta_cells: u32,
     pub exit_phi_cells: u32,
+    pub bssrdf_exit_theta_cells: u32,
+    pub bssrdf_exit_phi_cells: u32,
     pub z_cells: u32,
     pub tilts: u32,
     pub fold_symmetry: bool,
@@ -117,8 +119,10 @@ impl Default for TraceSection {
             zenith_cells: 9,
             azimuth_cells: 16,
             exit_azimuth_cells: 36,
-            exit_theta_cells: 9,
+            exit_theta_cells: 12,
             exit_phi_cells: 24,
+            bssrdf_exit_theta_cells: 6,
+            bssrdf_exit_phi_cells: 12,
             z_cells: 8,
             tilts: 10,
             fold_symmetry: true,
@@ -131,7 +135,6 @@ impl Default for TraceSection {
 #[serde(rename_all = "kebab-case")]
 pub enum EstimatorChoice {
     Independent,
-    Shared,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -163,7 +166,7 @@ impl Default for ClothSection {
             spacing_diameters: 1.8,
             sinusoid_amplitude_mm: None,
             segments_around: 48,
-            segments_along: 96,
+            segments_along: 24,
             azimuth_deg: 0.0,
         }
     }
@@ -244,59 +247,6 @@ impl Default for RigSection {
             pixels_per_side: 32,
         }
     }
-}
-
-/// `[colour]`: how spectra become colours.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct ColourSection {
-    pub observer: ObserverChoice,
-    pub illuminant: IlluminantChoice,
-    pub rgb: RgbChoice,
-    pub adaptation: AdaptationChoice,
-}
-
-impl Default for ColourSection {
-    fn default() -> Self {
-        Self {
-            observer: ObserverChoice::Cie1931,
-            illuminant: IlluminantChoice::D65,
-            rgb: RgbChoice::Srgb,
-            adaptation: AdaptationChoice::None,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ObserverChoice {
-    #[serde(rename = "cie1931-2deg")]
-    Cie1931,
-    #[serde(rename = "cie1964-10deg")]
-    Cie1964,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum IlluminantChoice {
-    D65,
-    D50,
-    A,
-    C,
-    E,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RgbChoice {
-    Srgb,
-    CieRgb,
-    Ntsc,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum AdaptationChoice {
-    None,
-    Bradford,
 }
 
 /// `[measured]`: the sample to compare with.

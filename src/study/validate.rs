@@ -173,21 +173,21 @@ fn trace(trace: &TraceSection) -> Result<(), StudyError> {
             ));
         }
     }
-    if trace.fold_symmetry {
-        // Cells must map onto cells under the mirrors that are folded.
-        for (key, cells, multiple) in [
-            ("azimuth_cells", trace.azimuth_cells, 4),
-            ("exit_azimuth_cells", trace.exit_azimuth_cells, 2),
-            ("exit_phi_cells", trace.exit_phi_cells, 4),
-        ] {
-            if cells % multiple != 0 {
-                return Err(value(
-                    fields::path("trace", key),
-                    format!("a multiple of {multiple} while fold_symmetry is true"),
-                    cells.to_string(),
-                    "change the number, or set fold_symmetry = false",
-                ));
-            }
+    // The yarn's two mirrors map cells on cells.
+    for (key, cells, multiple) in [
+        ("azimuth_cells", trace.azimuth_cells, 4),
+        ("exit_azimuth_cells", trace.exit_azimuth_cells, 4),
+        ("exit_phi_cells", trace.exit_phi_cells, 4),
+        ("bssrdf_exit_phi_cells", trace.bssrdf_exit_phi_cells, 4),
+        ("z_cells", trace.z_cells, 2),
+    ] {
+        if cells % multiple != 0 {
+            return Err(value(
+                fields::path("trace", key),
+                format!("a multiple of {multiple}"),
+                cells.to_string(),
+                "change the number",
+            ));
         }
     }
     Ok(())

@@ -1,0 +1,61 @@
+use super::{Failure, Options, Terminal, study};
+use specval::report::{OutputFolder, render, report_json, summary};
+use specval::run::{self, Plan};
+use specval::study::Study;
+use std::path::PathBuf;
+
+/// The preprint's main job: model and classical shading against the measured sample. Writes graphs, table1, curves.csv,
+/// energy.csv and report.json.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Study file; without it the built-in study.
+    #[arg(value_name = "STUDY")]
+    study: Option<PathBuf>,
+    /// Folder for the report; made if need be.
+    #[arg(long, value_name = "DIR", default_value = "report")]
+    out: PathBuf,
+    /// A twentieth of the paths and a ninth of the camera rays: seconds instead of minutes, wider error bands.
+    #[arg(long)]
+    quick: bool,
+    /// Measured sample instead of the study's: a built-in name, a folder or a CSV file.
+    #[arg(long, value_name = "SAMPLE")]
+    measured: Option<String>,
+}
+
+pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
+    let mut study = study::load(arguments.study.as_deref(), options)?;
+    if let Some(sample) = &arguments.measured {
+        study.measured.sample.clone_from(sample);
+    }
+    let mut notices = Vec::new();
+    if arguments.quick {
+        quicken(&mut study);
+        notices.push("--quick: paths and camera rays are reduced; `study` holds the numbers that were used".into());
+    }
+    let plan = Plan::new(study)?;
+    let folder = OutputFolder::prepare(&arguments.out)?;
+    let tracing = terminal.progress("tracing the yarn");
+    let simulation = run::simulate(&plan, &|share| tracing.advance(share))?;
+    tracing.finish();
+    let measuring = terminal.progress("measuring and sweeping");
+    let command = std::env::args().collect();
+    let data = run::report(&plan, &simulation, command, notices, &|share| measuring.advance(share))?;
+    measuring.finish();
+    folder.write(&render(&data)?)?;
+    if options.json {
+        return terminal.print(&report_json(&data)?);
+    }
+    terminal.print(&format!(
+        "{}\nwritten to {}\n",
+        summary(&data).trim_end(),
+        folder.path().display()
+    ))
+}
+
+fn quicken(study: &mut Study) {
+    let batches = u64::from(study.trace.batches);
+    for paths in [&mut study.trace.paths_bssrdf, &mut study.trace.paths_direct] {
+        *paths = (*paths / 20).max(batches).min(*paths);
+    }
+    study.rig.pixels_per_side = (study.rig.pixels_per_side / 3).max(4).min(study.rig.pixels_per_side);
+}

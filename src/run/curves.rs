@@ -1,0 +1,127 @@
+use super::Plan;
+use crate::colour::ColourSystem;
+use crate::compare::{Channels, Geometry};
+use crate::rig::{brightness_factor, omega_in, omega_out, view_cell};
+use crate::transport::{Purpose, Stream};
+use crate::yarn::RadianceFactorTable;
+use rayon::prelude::*;
+
+/// The cloth's brightness factors, as the virtual rig measures them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpectralCurves {
+    pub geometries: Vec<Geometry>,
+    /// Diffuse part, [batch][geometry][wavelength]. Each batch has its own f* and its own camera rays, so the spread of
+    /// the batches holds both errors.
+    pub diffuse: Vec<Vec<Vec<f64>>>,
+    /// Gloss at each geometry, the same at every wavelength.
+    pub gloss: Vec<f64>,
+}
+
+impl SpectralCurves {
+    pub fn measure(plan: &Plan, table: &RadianceFactorTable, geometries: Vec<Geometry>) -> Self {
+        let per_geometry: Vec<Vec<Vec<f64>>> = geometries
+            .par_iter()
+            .enumerate()
+            .map(|(g, geometry)| {
+                (0..table.batches())
+                    .map(|batch| {
+                        let weights = shading_weights(plan, table, *geometry, g, batch);
+                        let mut beta = table.contract(batch, &weights);
+                        let cos_i = geometry.theta_i_deg.to_radians().cos();
+                        beta.iter_mut().for_each(|b| *b = brightness_factor(*b, cos_i).0);
+                        beta
+                    })
+                    .collect()
+            })
+            .collect();
+        let diffuse = (0..table.batches())
+            .map(|batch| per_geometry.iter().map(|g| g[batch].clone()).collect())
+            .collect();
+        let gloss = geometries.iter().map(|g| gloss(plan, *g)).collect();
+        Self {
+            geometries,
+            diffuse,
+            gloss,
+        }
+    }
+
+    /// Each batch's β in r, g, b and y: [batch][geometry].
+    pub fn channels(&self, colour: &ColourSystem, with_gloss: bool) -> Vec<Vec<Channels>> {
+        self.diffuse
+            .iter()
+            .map(|batch| {
+                batch
+                    .iter()
+                    .zip(&self.gloss)
+                    .map(|(beta, &gloss)| {
+                        let gloss = if with_gloss { gloss } else { 0.0 };
+                        let total: Vec<f64> = beta.iter().map(|b| b + gloss).collect();
+                        channels(colour, &total)
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// Mean and standard error of the total β at a geometry and wavelength.
+    pub fn estimate(&self, geometry: usize, wavelength: usize) -> (f64, f64) {
+        let n = self.diffuse.len() as f64;
+        let mean = self.diffuse.iter().map(|b| b[geometry][wavelength]).sum::<f64>() / n;
+        let square = self
+            .diffuse
+            .iter()
+            .map(|b| (b[geometry][wavelength] - mean).powi(2))
+            .sum::<f64>();
+        (mean + self.gloss[geometry], (square / (n * (n - 1.0))).sqrt())
+    }
+}
+
+/// β of one spectrum in r, g, b and luminance y.
+pub(super) fn channels(colour: &ColourSystem, beta: &[f64]) -> Channels {
+    let xyz = colour.xyz(beta);
+    let [r, g, b] = colour.linear_rgb(xyz).0;
+    [r, g, b, xyz.y]
+}
+
+/// β of the gloss about the cloth's normal.
+pub(super) fn gloss(plan: &Plan, geometry: Geometry) -> f64 {
+    let azimuth_deg = plan.study.cloth.azimuth_deg;
+    let towards_light = omega_in(geometry.theta_i_deg, azimuth_deg);
+    let towards_viewer = omega_out(geometry.theta_v_deg, azimuth_deg);
+    plan.specular
+        .brdf(&towards_light, &towards_viewer)
+        .brightness_factor()
+        .0
+}
+
+/// Weight of each cell of the f* table in the cloth's mean radiance per irradiance normal to the beam: L = Σ f* E⊥ V
+/// over camera rays, nothing behind a gap. It knows no wavelength, and no cosine: f* holds it.
+fn shading_weights(
+    plan: &Plan,
+    table: &RadianceFactorTable,
+    geometry: Geometry,
+    stream: usize,
+    batch: usize,
+) -> Vec<f64> {
+    let azimuth_deg = plan.study.cloth.azimuth_deg;
+    let mut rng = Stream::open(plan.study.seed, Purpose::Camera, stream, batch, 0);
+    let mut weights = vec![0.0; table.grid().cells()];
+    let share = 1.0 / plan.pixels.count() as f64;
+    view_cell(
+        &plan.cloth,
+        &omega_in(geometry.theta_i_deg, azimuth_deg),
+        &omega_out(geometry.theta_v_deg, azimuth_deg),
+        &plan.pixels,
+        &mut rng,
+        |interaction| {
+            if let Some(seen) = interaction.filter(|seen| seen.lit) {
+                table
+                    .grid()
+                    .weights(&seen.omega_in_local, &seen.omega_out_local, |cell, weight| {
+                        weights[cell] += share * weight;
+                    });
+            }
+        },
+    );
+    weights
+}

@@ -1,0 +1,276 @@
+use super::curves::{channels, gloss};
+use super::{Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows};
+use crate::colour::{ColourSystem, Convention};
+use crate::compare::{Channels, ColourRatios, Comparison, Geometry, Inputs, model_colour_ratios};
+use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
+use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
+use crate::study::MediumSection;
+use crate::yarn::{Effort, trace_direct};
+
+/// Least effort of a point of the sweep: batches, and the share of the study's paths.
+const SWEEP_BATCHES: usize = 4;
+const SWEEP_PATHS_SHARE: u64 = 10;
+
+/// Normal incidence and view, where ratios and the normalisation are taken.
+const NORMAL: Geometry = Geometry {
+    theta_i_deg: 0.0,
+    theta_v_deg: 0.0,
+};
+
+/// Shades, measures, compares: everything after the tracing. `command` goes into the provenance.
+pub fn report(
+    plan: &Plan,
+    simulation: &Simulation,
+    command: Vec<String>,
+    notices: Vec<String>,
+    progress: Progress,
+) -> Result<ReportData, RunError> {
+    let mut notices = notices;
+    let mut fallbacks = Vec::new();
+    let mut geometries = plan.geometries();
+    let normal = geometries.iter().position(|g| *g == NORMAL).unwrap_or_else(|| {
+        fallbacks.push("the rig has no normal incidence and view; it was added for normalisation and Table 1".into());
+        geometries.push(NORMAL);
+        geometries.len() - 1
+    });
+    let measured = readings(plan, &geometries, &mut notices)?;
+    let curves = SpectralCurves::measure(plan, simulation.table(plan), geometries);
+    let model = curves.channels(&plan.colour, true);
+    let white = channels(&plan.colour, &vec![1.0; plan.grid.len()]);
+    let comparison = match measured[normal] {
+        Some(reading) => {
+            let classical: Vec<Channels> = curves
+                .geometries
+                .iter()
+                .map(|g| classical(&reading, gloss(plan, *g), &white))
+                .collect();
+            Some(Comparison::new(&Inputs {
+                geometries: &curves.geometries,
+                model_batches: &model,
+                classical: &classical,
+                measured: &measured,
+            })?)
+        }
+        None => {
+            fallbacks.push(format!(
+                "sample {} has no reading at normal incidence and view: no normalisation, no curves",
+                plan.sample.name()
+            ));
+            None
+        }
+    };
+    let sweep = sweep(plan, &mut notices, progress)?;
+    let table1 = table1(&plan.colour, &curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
+    let mut conventions = Vec::new();
+    for convention in Convention::all() {
+        let colour = ColourSystem::new(&plan.grid, convention)?;
+        conventions.push(shown::Convention {
+            convention: convention.to_string(),
+            rows: vec![Table1Row::estimated(
+                Table1Name::Model,
+                &diffuse_ratios(&colour, &curves, normal)?,
+            )],
+        });
+    }
+    if plan.sample.geometries().next().is_some()
+        && plan.sample.spectrum(NORMAL.theta_i_deg, NORMAL.theta_v_deg)?.is_none()
+    {
+        notices.push(
+            "the sample is RGB, not spectral: its ratios have one convention, its own, and its luminance is the study's \
+             RGB space's luminance of its RGB"
+                .into(),
+        );
+    }
+    let comparison = comparison.as_ref();
+    Ok(ReportData {
+        wavelengths_nm: plan.grid.nm().to_vec(),
+        colour_convention: plan.study.colour.to_string(),
+        curves: comparison.map(|c| c.curves.clone()).unwrap_or_default(),
+        table1,
+        conventions,
+        energy: energy_rows(plan, &simulation.bssrdf),
+        normalisation: comparison.map(|c| c.normalisation),
+        rmse: comparison.map(|c| c.rmse.clone()).unwrap_or_default(),
+        peaks: comparison.map(|c| c.peaks.clone()).unwrap_or_default(),
+        rmse_ratios: comparison.map(|c| c.rmse_ratios.clone()).unwrap_or_default(),
+        sample: sample_note(plan, &mut fallbacks),
+        provenance: Provenance {
+            version: env!("CARGO_PKG_VERSION").into(),
+            command,
+            study: serde_json::to_value(&plan.study).map_err(shown::ReportError::from)?,
+            seed: plan.study.seed,
+            inputs: plan.inputs.clone(),
+            fallbacks,
+            notices,
+        },
+    })
+}
+
+/// Lambert with the sample's own normal/normal brightness factor plus the model's gloss. Colour is linear, so the sum may
+/// be taken in channels; the gloss is as white as the perfect diffuser.
+fn classical(normal: &Reading, gloss: f64, white: &Channels) -> Channels {
+    std::array::from_fn(|c| normal.beta[c] + gloss * white[c])
+}
+
+fn readings(plan: &Plan, geometries: &[Geometry], notices: &mut Vec<String>) -> Result<Vec<Option<Reading>>, RunError> {
+    let mut readings = Vec::with_capacity(geometries.len());
+    for g in geometries {
+        readings.push(plan.sample.reading(g.theta_i_deg, g.theta_v_deg, &plan.study.colour)?);
+    }
+    let interpolated = readings.iter().flatten().filter(|r| r.interpolated).count();
+    if interpolated > 0 {
+        notices.push(format!(
+            "{interpolated} measured values are interpolated linearly between neighbouring view angles"
+        ));
+    }
+    let missing = readings.iter().filter(|r| r.is_none()).count();
+    if missing > 0 {
+        notices.push(format!(
+            "the sample has no reading at {missing} of the rig's geometries"
+        ));
+    }
+    Ok(readings)
+}
+
+fn sample_note(plan: &Plan, fallbacks: &mut Vec<String>) -> SampleNote {
+    let of = plan.sample.description();
+    let kind = match of.kind {
+        Some(Kind::Measured) => "measured",
+        Some(Kind::Fit) => "fit of a measurement",
+        Some(Kind::Synthetic) => "synthetic",
+        None => "not stated",
+    };
+    let uncertainty = match plan.sample.uncertainty() {
+        Uncertainty::Columns => "standard errors from its own columns".to_owned(),
+        Uncertainty::Relative(share) => format!("{:.3} % standard uncertainty", share * 100.0).replace(".000", ""),
+        Uncertainty::NotStated => {
+            fallbacks.push("the sample states no uncertainty: its standard errors are taken as 0".into());
+            "uncertainty not stated".to_owned()
+        }
+    };
+    let colour = of
+        .colour
+        .as_deref()
+        .map(|words| format!("; {words}"))
+        .unwrap_or_default();
+    SampleNote {
+        name: of.name.clone(),
+        kind: kind.into(),
+        source: of.source.clone(),
+        licence: of.licence.clone(),
+        caption: format!("{}: {kind}, {uncertainty}{colour}", of.name),
+    }
+}
+
+fn diffuse_ratios(colour: &ColourSystem, curves: &SpectralCurves, normal: usize) -> Result<ColourRatios, RunError> {
+    let batches: Vec<Channels> = curves
+        .diffuse
+        .iter()
+        .map(|batch| channels(colour, &batch[normal]))
+        .collect();
+    Ok(model_colour_ratios(&batches)?)
+}
+
+/// Ratios of the model with each of the sweep's values alone in place of the study's.
+fn sweep(plan: &Plan, notices: &mut Vec<String>, progress: Progress) -> Result<Vec<ColourRatios>, RunError> {
+    let base = &plan.study.medium;
+    let of = &plan.study.sweep;
+    let mut media: Vec<MediumSection> = Vec::new();
+    let mut vary = |values: &[f64], own: f64, set: fn(&mut MediumSection, f64)| {
+        for &value in values.iter().filter(|v| **v != own) {
+            let mut medium = base.clone();
+            set(&mut medium, value);
+            media.push(medium);
+        }
+    };
+    vary(&of.kappa_peak, base.kappa_peak, |m, v| m.kappa_peak = v);
+    vary(&of.volume_fraction, base.volume_fraction, |m, v| m.volume_fraction = v);
+    vary(&of.particle_diameter_nm, base.particle_diameter_nm, |m, v| {
+        m.particle_diameter_nm = v
+    });
+    vary(&of.particle_index, base.particle_index, |m, v| m.particle_index = v);
+    let batches = SWEEP_BATCHES.min(plan.direct_effort.batches);
+    let effort = Effort::new(
+        plan.study.seed,
+        batches,
+        (plan.study.trace.paths_direct / SWEEP_PATHS_SHARE).max(1),
+    )?;
+    notices.push(format!(
+        "sweep: {} media, each with {} paths a tilt and wavelength in {} batches",
+        media.len(),
+        effort.batches * effort.paths_per_batch,
+        effort.batches
+    ));
+    let share = 1.0 / media.len().max(1) as f64;
+    media
+        .iter()
+        .map(|medium| {
+            let run = trace_direct(&plan.yarn_of(medium)?, plan.factor_grid, effort, &|_| ());
+            let curves = SpectralCurves::measure(plan, &run.table, vec![NORMAL]);
+            progress(share);
+            diffuse_ratios(&plan.colour, &curves, 0)
+        })
+        .collect()
+}
+
+fn table1(
+    colour: &ColourSystem,
+    curves: &SpectralCurves,
+    normal: usize,
+    sweep: &[ColourRatios],
+    comparison: Option<&Comparison>,
+    notices: &mut Vec<String>,
+) -> Result<Vec<Table1Row>, RunError> {
+    let published = published_ratios()?;
+    let model = diffuse_ratios(colour, curves, normal)?;
+    let mut rows = vec![Table1Row::bare(
+        Table1Name::Published,
+        published.real.blue_over_red[0],
+        published.real.green_over_red[0],
+    )];
+    let measured = comparison.and_then(|c| {
+        c.colour_ratios
+            .iter()
+            .find(|r| r.source == crate::compare::Source::Measured)
+    });
+    if let Some(measured) = measured {
+        rows.push(Table1Row::estimated(Table1Name::Measured, &measured.ratios));
+    }
+    rows.push(Table1Row::estimated(Table1Name::Model, &model));
+    let mut low = model;
+    let mut high = model;
+    for ratios in sweep {
+        for (end, better) in [(&mut low, -1.0), (&mut high, 1.0)] {
+            if better * (ratios.blue_over_red.value - end.blue_over_red.value) > 0.0 {
+                end.blue_over_red = ratios.blue_over_red;
+            }
+            if better * (ratios.green_over_red.value - end.green_over_red.value) > 0.0 {
+                end.green_over_red = ratios.green_over_red;
+            }
+        }
+    }
+    rows.push(Table1Row::estimated(Table1Name::ModelLow, &low));
+    rows.push(Table1Row::estimated(Table1Name::ModelHigh, &high));
+    for (name, [from, to], [low, high]) in [
+        (
+            "blue/red",
+            published.model.blue_over_red,
+            [low.blue_over_red.value, high.blue_over_red.value],
+        ),
+        (
+            "green/red",
+            published.model.green_over_red,
+            [low.green_over_red.value, high.green_over_red.value],
+        ),
+    ] {
+        let covered = if low <= from && high >= to {
+            "covers"
+        } else {
+            "does not cover"
+        };
+        notices.push(format!(
+            "the sweep's {name} range {low:.4}..{high:.4} {covered} the preprint's {from}..{to}"
+        ));
+    }
+    Ok(rows)
+}
