@@ -89,8 +89,8 @@ pub struct BssrdfRun {
 struct Term {
     cell: usize,
     azimuth: usize,
-    mirror_tangent: bool,
-    mirror_axis: bool,
+    /// Index into [`mirror_images`].
+    mirrors: usize,
     weight: f64,
 }
 
@@ -127,6 +127,7 @@ pub fn trace_bssrdf(
     let z_edges_mm: Vec<f64> = (0..z_cells / 2).map(|k| radius_mm * 2f64.powi(k as i32)).collect();
     let exits = surface.exit.cells();
     let shape = (wavelengths, incident.traced(), surface.azimuths, z_cells + 2, exits);
+    let solid_angle: Vec<f64> = (0..exits).map(|e| surface.exit.projected_solid_angle(e)).collect();
     let mut fraction = Array5::zeros(shape);
     let mut table = RadianceFactorTable::zeros(grid, wavelengths, effort.batches);
     let mut ledgers = Vec::with_capacity(wavelengths);
@@ -142,18 +143,16 @@ pub fn trace_bssrdf(
         let terms = terms(&grid, &incident, yarn.medium.host_index()[wavelength]);
         table.batches.par_iter_mut().enumerate().for_each(|(batch, values)| {
             let mut sum = vec![0.0; grid.cells()];
-            for (direction, terms) in terms.iter().enumerate() {
-                let flat = &patches[direction].flat[batch];
+            for (patch, terms) in patches.iter().zip(&terms) {
+                let seen = mirror_images(&patch.flat[batch], &surface);
                 for term in terms {
-                    let from = &flat[term.azimuth * exits..(term.azimuth + 1) * exits];
+                    let from = &seen[term.mirrors][term.azimuth * exits..(term.azimuth + 1) * exits];
                     let to = &mut sum[term.cell * exits..(term.cell + 1) * exits];
-                    for (e, value) in to.iter_mut().enumerate() {
-                        *value += term.weight * from[surface.exit.mirrored(e, term.mirror_tangent, term.mirror_axis)];
-                    }
+                    to.iter_mut().zip(from).for_each(|(t, f)| *t += term.weight * f);
                 }
             }
             for (c, value) in sum.into_iter().enumerate() {
-                values[c * wavelengths + wavelength] = value / surface.exit.projected_solid_angle(c % exits);
+                values[c * wavelengths + wavelength] = value / solid_angle[c % exits];
             }
         });
         let mut entries = Vec::with_capacity(patches.len());
@@ -239,6 +238,20 @@ fn trace_patch(
     }
 }
 
+/// An (azimuth, exit) table as it is, with the tangent reversed, with the axis reversed, and with both. Azimuth itself is
+/// left as it is.
+fn mirror_images(flat: &[f64], surface: &SurfaceGrid) -> [Vec<f64>; 4] {
+    let exits = surface.exit.cells();
+    std::array::from_fn(|mirrors| {
+        let from: Vec<usize> = (0..exits)
+            .map(|e| surface.exit.mirrored(e, mirrors & 1 != 0, mirrors & 2 != 0))
+            .collect();
+        flat.chunks_exact(exits)
+            .flat_map(|row| from.iter().map(|&e| row[e]))
+            .collect()
+    })
+}
+
 /// The terms of f* by traced direction. Between incident directions it is the distribution of the light that got in
 /// which is interpolated, since Fresnel's transmittance, taken exactly, falls off too steeply towards grazing.
 fn terms(grid: &RadianceFactorGrid, incident: &IncidentGrid, index: f64) -> Vec<Vec<Term>> {
@@ -249,7 +262,9 @@ fn terms(grid: &RadianceFactorGrid, incident: &IncidentGrid, index: f64) -> Vec<
     for tilt in 0..grid.tilts() {
         let (sin_psi, cos_psi) = grid.tilt(tilt).sin_cos();
         for patch in 0..around {
-            // Patches share the edges of the table's azimuth cells; the light stands at azimuth 0.
+            // Weight of each direction and mirror in this patch, which shares its edges with the table's azimuth cells;
+            // the light stands at azimuth 0.
+            let mut weights = vec![[0.0; 4]; incident.traced()];
             for (node, gauss_weight) in GAUSS {
                 let alpha = width * (patch as f64 + 0.5 + 0.5 * node);
                 let omega_in = Vec3::new(-alpha.sin() * cos_psi, sin_psi, alpha.cos() * cos_psi);
@@ -259,19 +274,23 @@ fn terms(grid: &RadianceFactorGrid, incident: &IncidentGrid, index: f64) -> Vec<
                 let flux = 0.5 * gauss_weight * omega_in.z * entered(omega_in.z);
                 for corner in incident.corners(&omega_in) {
                     let at_node = entered(incident.traced_direction(corner.traced).z);
+                    let mirrors = usize::from(corner.mirror_tangent) + 2 * usize::from(corner.mirror_axis);
+                    weights[corner.traced][mirrors] += corner.weight * flux / at_node;
+                }
+            }
+            for (direction, weights) in weights.into_iter().enumerate() {
+                for (mirrors, weight) in weights.into_iter().enumerate().filter(|(_, w)| *w != 0.0) {
                     for target in 0..grid.azimuths() {
                         let apart = (target + around - patch) % around;
-                        let azimuth = if corner.mirror_tangent {
-                            (around - apart) % around
-                        } else {
-                            apart
-                        };
-                        terms[corner.traced].push(Term {
+                        terms[direction].push(Term {
                             cell: tilt * grid.azimuths() + target,
-                            azimuth,
-                            mirror_tangent: corner.mirror_tangent,
-                            mirror_axis: corner.mirror_axis,
-                            weight: corner.weight * flux / at_node,
+                            azimuth: if mirrors & 1 != 0 {
+                                (around - apart) % around
+                            } else {
+                                apart
+                            },
+                            mirrors,
+                            weight,
                         });
                     }
                 }

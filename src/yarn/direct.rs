@@ -29,18 +29,23 @@ pub fn trace_direct(yarn: &Yarn, grid: RadianceFactorGrid, effort: Effort, done:
             result
         })
         .collect();
+    let exits = grid.surface().exit().cells();
+    let per_fraction: Vec<f64> = (0..grid.tilts() * exits)
+        .map(|i| grid.radiance_factor_per_fraction(i / exits, i % exits))
+        .collect();
     let mut table = RadianceFactorTable::zeros(grid, wavelengths, effort.batches);
-    let mut ledgers = vec![vec![Vec::new(); wavelengths]; grid.tilts()];
-    for (piece, (fractions, ledger)) in pieces.into_iter().enumerate() {
-        let (tilt, wavelength) = (piece / wavelengths, piece % wavelengths);
-        for (batch, fractions) in fractions.into_iter().enumerate() {
-            for (c, fraction) in fractions.into_iter().enumerate() {
-                let exit = c % grid.surface().exit().cells();
-                table.batches[batch][(tilt * cells_per_tilt + c) * wavelengths + wavelength] =
-                    fraction * grid.radiance_factor_per_fraction(tilt, exit);
+    table.batches.par_iter_mut().enumerate().for_each(|(batch, values)| {
+        for (cell, row) in values.chunks_exact_mut(wavelengths).enumerate() {
+            let (tilt, c) = (cell / cells_per_tilt, cell % cells_per_tilt);
+            let factor = per_fraction[tilt * exits + c % exits];
+            for (wavelength, value) in row.iter_mut().enumerate() {
+                *value = factor * pieces[tilt * wavelengths + wavelength].0[batch][c];
             }
         }
-        ledgers[tilt][wavelength] = ledger;
+    });
+    let mut ledgers = vec![vec![Vec::new(); wavelengths]; grid.tilts()];
+    for (piece, (_, ledger)) in pieces.into_iter().enumerate() {
+        ledgers[piece / wavelengths][piece % wavelengths] = ledger;
     }
     DirectRun { table, ledgers }
 }
