@@ -9,7 +9,7 @@ use crate::yarn::{Effort, trace_direct};
 
 /// Least effort of a point of the sweep: batches, and the share of the study's paths.
 const SWEEP_BATCHES: usize = 4;
-const SWEEP_PATHS_SHARE: u64 = 10;
+const SWEEP_PATHS_SHARE: u64 = 20;
 
 /// Normal incidence and view, where ratios and the normalisation are taken.
 const NORMAL: Geometry = Geometry {

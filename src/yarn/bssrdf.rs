@@ -223,10 +223,13 @@ fn trace_patch(
         }
         let scale = 1.0 / n as f64;
         let mut batch_flat = vec![0.0; surface.azimuths * exits];
-        for (i, value) in sum.iter().enumerate() {
-            let (a, e) = (i / (z_cells * exits), i % exits);
-            batch_flat[a * exits + e] += value * scale;
-            fraction[i] += value * scale / effort.batches as f64;
+        let rows = sum.chunks_exact(exits).zip(fraction.chunks_exact_mut(exits));
+        for (row, (values, total)) in rows.enumerate() {
+            let flat_row = &mut batch_flat[row / z_cells * exits..][..exits];
+            for ((value, total), flat) in values.iter().zip(total).zip(flat_row) {
+                *flat += value * scale;
+                *total += value * scale / effort.batches as f64;
+            }
         }
         flat.push(batch_flat);
         ledgers.push(ledger.scaled(scale));
