@@ -14,3 +14,4 @@ pub mod shading;
 pub mod spectrum;
 pub mod study;
 pub mod transport;
+pub mod validate;
