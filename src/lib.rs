@@ -16,4 +16,5 @@ pub mod shading;
 pub mod spectrum;
 pub mod study;
 pub mod transport;
+pub mod validate;
 pub mod yarn;

@@ -11,6 +11,7 @@ pub mod report;
 mod study;
 mod terminal;
 pub mod trace;
+pub mod validate;
 
 pub use terminal::{Failure, Terminal, exit};
 
@@ -41,6 +42,8 @@ pub enum Command {
     Trace(trace::Arguments),
     /// Brightness factors of the woven model on the virtual rig.
     Measure(measure::Arguments),
+    /// Reference problems (slabs, cylinders, spheres, yarns): value, reference, z-score.
+    Validate(validate::Arguments),
     /// Colours of spectra: XYZ, linear RGB and Lab.
     Colour(colour::Arguments),
 }

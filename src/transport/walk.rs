@@ -46,11 +46,16 @@ impl Roulette {
 impl Default for Roulette {
     fn default() -> Self {
         Self {
-            threshold: 1e-3,
-            survival: 0.1,
+            threshold: 0.1,
+            survival: 0.2,
         }
     }
 }
+
+/// Reflections in a row, with no particle between them, after which roulette is played whatever the weight. Light that
+/// entered at a grazing angle, or that total reflection traps in a body that hardly scatters, loses next to nothing in
+/// each and would go round without end.
+const REFLECTIONS_IN_A_ROW: u32 = 10_000;
 
 /// A part of a path's weight that leaves the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,6 +110,7 @@ impl<S: Shape> Walk<'_, S> {
         let mut direction = refract(&-omega_in, normal, cos_in, cos_t, 1.0 / index);
         let mut position = *position;
         let mut scattered = false;
+        let mut reflections = 0;
         while weight > 0.0 {
             let boundary = self.shape.boundary(&position, &direction);
             let flight = -(1.0 - rng.random::<f64>()).ln() / mu_s;
@@ -120,6 +126,7 @@ impl<S: Shape> Walk<'_, S> {
                 position += direction * step;
                 direction = scatter(&direction, phase.sample(rng.random()), rng);
                 scattered = true;
+                reflections = 0;
             } else if boundary.distance == f64::INFINITY {
                 // Neither a particle nor a surface ahead: what is left is absorbed on the way to infinity.
                 ledger.absorbed += weight;
@@ -145,8 +152,10 @@ impl<S: Shape> Walk<'_, S> {
                     weight -= leaving;
                 }
                 direction -= boundary.normal * (2.0 * cos_i);
+                reflections += 1;
             }
-            if weight < threshold && weight > 0.0 {
+            if (weight < threshold && weight > 0.0) || reflections == REFLECTIONS_IN_A_ROW {
+                reflections = 0;
                 if rng.random::<f64>() < self.roulette.survival {
                     let worth = weight / self.roulette.survival;
                     ledger.roulette -= worth - weight;

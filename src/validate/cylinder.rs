@@ -1,0 +1,174 @@
+use std::f64::consts::TAU;
+
+use rand::{Rng, RngExt};
+use serde::Deserialize;
+
+use super::reference::rows;
+use super::statistics::Estimate;
+use super::{Check, ValidateError};
+use crate::geometry::Vec3;
+use crate::optics::{HenyeyGreenstein, Phase};
+use crate::transport::{Cylinder, Exit, Interior, Ledger, Roulette, Walk};
+
+#[derive(Debug, Deserialize)]
+struct Row {
+    case: String,
+    n: f64,
+    tilt_deg: Option<f64>,
+    #[serde(rename = "mu_a_R")]
+    mu_a_r: Option<f64>,
+    #[serde(rename = "R_frac")]
+    reflected: Option<f64>,
+    #[serde(rename = "T_frac")]
+    transmitted: Option<f64>,
+    #[serde(rename = "A_frac")]
+    absorbed: Option<f64>,
+    #[serde(rename = "T_or_value")]
+    value: Option<f64>,
+    #[serde(rename = "absorbed")]
+    absorbed_matched: Option<f64>,
+}
+
+/// Cylinder of radius 1 mm that does not scatter.
+pub(super) struct CylinderProblem {
+    name: String,
+    index: f64,
+    mu_a: f64,
+    /// Angle between the beam and the plane across the axis; none for even light from all sides.
+    tilt: Option<f64>,
+    /// Place in a batch, name and exact value.
+    expected: Vec<(usize, &'static str, f64)>,
+    cylinder: Cylinder,
+    phase: Phase,
+}
+
+/// The rows the kernel can be compared with: it knows no polarisation.
+pub(super) fn problems() -> Result<Vec<CylinderProblem>, ValidateError> {
+    const TABLE: &str = "cylinder_analytic.csv";
+    let table = rows::<Row>(TABLE, include_str!("../../tests/data/transport/cylinder_analytic.csv"))?;
+    let mut problems = Vec::new();
+    for row in table {
+        let tilt_deg = row.tilt_deg.unwrap_or(0.0);
+        let mu_a = row.mu_a_r.unwrap_or(0.0);
+        let n = row.n;
+        let (name, values) = match row.case.as_str() {
+            "A_absorb_matched" => (
+                format!("cylinder absorbing n=1 tilt={tilt_deg} mu_a_R={mu_a}"),
+                vec![(1, "transmitted", row.value), (2, "absorbed", row.absorbed_matched)],
+            ),
+            "B_fresnel_scalar" => (
+                format!("cylinder dielectric n={n} tilt={tilt_deg} mu_a_R={mu_a}"),
+                vec![
+                    (0, "reflected", row.reflected),
+                    (1, "transmitted", row.transmitted),
+                    (2, "absorbed", row.absorbed),
+                ],
+            ),
+            "C_external_reflectance_unpol" => (
+                format!("cylinder dielectric n={n} tilt={tilt_deg}"),
+                vec![(0, "reflected", row.reflected)],
+            ),
+            "E_mean_chord_parallel_over_R" => (
+                "cylinder chords parallel".to_owned(),
+                vec![(3, "mean_chord_over_R", row.value)],
+            ),
+            "E_mean_chord_isotropic_over_R" => (
+                "cylinder chords Lambertian".to_owned(),
+                vec![(3, "mean_chord_over_R", row.value)],
+            ),
+            _ => continue,
+        };
+        problems.push(CylinderProblem {
+            name,
+            index: n,
+            mu_a,
+            tilt: row.tilt_deg.map(f64::to_radians),
+            expected: values
+                .into_iter()
+                .filter_map(|(place, name, value)| Some((place, name, value?)))
+                .collect(),
+            cylinder: Cylinder::new(1.0)?,
+            phase: Phase::HenyeyGreenstein(HenyeyGreenstein::new(0.0)?),
+        });
+    }
+    Ok(problems)
+}
+
+impl CylinderProblem {
+    pub fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    /// Reflected, transmitted, absorbed, distance from the entry to the exits.
+    pub fn batch(&self, paths: u64, rng: &mut impl Rng) -> Vec<f64> {
+        let walk = Walk {
+            shape: &self.cylinder,
+            interior: Interior {
+                index: self.index,
+                mu_s: 0.0,
+                mu_a: self.mu_a,
+                phase: &self.phase,
+            },
+            roulette: Roulette::default(),
+        };
+        let mut sums = [0.0; 4];
+        let mut chords = 0.0;
+        let mut tally = |ledger: &Ledger| {
+            sums[0] += ledger.reflected;
+            sums[1] += ledger.ballistic;
+            sums[2] += ledger.absorbed;
+        };
+        match self.tilt {
+            Some(tilt) => parallel_beam(&walk, tilt, paths, rng, |entry, exits, ledger| {
+                tally(ledger);
+                chords += exits
+                    .iter()
+                    .map(|e| e.weight * (e.position - entry).norm())
+                    .sum::<f64>();
+            }),
+            None => {
+                let entry = self.cylinder.at(0.0);
+                for path in 0..paths {
+                    let cos2 = (path as f64 + rng.random::<f64>()) / paths as f64;
+                    let azimuth = TAU * rng.random::<f64>();
+                    let sin = (1.0 - cos2).sqrt();
+                    let omega_in = Vec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos2.sqrt());
+                    let ledger = walk.run(rng, &entry, &Vec3::z(), &omega_in, |exit| {
+                        chords += exit.weight * (exit.position - entry).norm();
+                    });
+                    tally(&ledger);
+                }
+            }
+        }
+        sums[3] = chords;
+        sums.iter().map(|s| s / paths as f64).collect()
+    }
+
+    pub fn checks(&self, estimates: &[Estimate]) -> Vec<Check> {
+        self.expected
+            .iter()
+            .map(|&(place, quantity, value)| estimates[place].check(self.name(), quantity, Estimate { value, se: 0.0 }))
+            .collect()
+    }
+}
+
+/// Light of a parallel beam that travels towards −z and, tilted, towards +y, over the whole projected width of a
+/// cylinder. The impact parameters are stratified over the paths. `sink` gets entry point, exits and ledger of each.
+pub(super) fn parallel_beam(
+    walk: &Walk<'_, Cylinder>,
+    tilt: f64,
+    paths: u64,
+    rng: &mut impl Rng,
+    mut sink: impl FnMut(&Vec3, &[Exit], &Ledger),
+) {
+    let omega_in = Vec3::new(0.0, -tilt.sin(), tilt.cos());
+    let mut exits = Vec::new();
+    for path in 0..paths {
+        let h = 2.0 * (path as f64 + rng.random::<f64>()) / paths as f64 - 1.0;
+        let entry = walk.shape.at(h.asin());
+        let normal = walk.shape.frame(&entry).normal;
+        exits.clear();
+        let ledger = walk.run(rng, &entry, &normal, &omega_in, |exit| exits.push(*exit));
+        sink(&entry, &exits, &ledger);
+    }
+}

@@ -1,0 +1,154 @@
+//! Reference problems: what the optics and the transport kernel make of cases whose answers are known from elsewhere.
+//!
+//! | problems | reference | exact to |
+//! | --- | --- | --- |
+//! | slabs with Henyey–Greenstein scattering, collimated and Lambertian light | discrete ordinates | 1e-10 |
+//! | cylinders without scattering, in a tilted parallel beam | closed forms | 1e-12 |
+//! | scattering yarns in a parallel beam | Mitsuba 3 photon tracing, 4·10⁷ photons each | its standard errors |
+//! | spheres (Mie series) | arithmetic of 60 digits | 1e-14 |
+//!
+//! All but the spheres run through the same [`Walk`](crate::transport::Walk) as the yarn of a study. Everything is a
+//! fraction of the incident flux except efficiencies, asymmetry parameters and chords (in radii).
+
+mod cylinder;
+mod reference;
+mod slab;
+mod sphere;
+mod statistics;
+mod yarn;
+
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::optics::{OpticsError, PhaseError};
+use crate::spectrum::SpectrumError;
+use crate::transport::{Purpose, Stream, TransportError};
+use cylinder::CylinderProblem;
+use slab::SlabProblem;
+use statistics::Estimate;
+use yarn::YarnProblem;
+
+/// Batches of a problem; enough for a standard error that is itself good to 7 %.
+const BATCHES: usize = 100;
+/// Paths below which the mean of a batch is too far from normal for a z-score to mean anything.
+pub const MIN_PATHS: u64 = 100 * BATCHES as u64;
+
+/// One quantity of one problem beside its reference.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Check {
+    pub problem: String,
+    pub quantity: String,
+    pub value: f64,
+    /// Standard error of `value`; 0 for what is computed without random numbers.
+    pub se: f64,
+    pub reference: f64,
+    /// Standard error of the reference; 0 if it is exact.
+    pub reference_se: f64,
+    /// Standard normal if the program is right: (value − reference) over both standard errors and the rounding of the
+    /// reference. Two kinds differ. For a sphere, which has no statistics, it is the relative difference over the
+    /// tolerance (1e-10 up to size parameter 1e4, 1e-8 above), so that 1 is the limit. For a histogram `value` is the χ² of
+    /// all its bins together, `reference` their number, and `z` the normal deviate of that χ² by Wilson & Hilferty (1931).
+    pub z: f64,
+}
+
+/// Why the validation could not run.
+#[derive(Debug, thiserror::Error)]
+pub enum ValidateError {
+    #[error(
+        "paths: expected at least {MIN_PATHS} a problem, found {found}; with fewer the standard errors mean nothing"
+    )]
+    TooFewPaths { found: u64 },
+    #[error("reference table {table}: {source}")]
+    Table { table: &'static str, source: csv::Error },
+    #[error(transparent)]
+    Transport(#[from] TransportError),
+    #[error(transparent)]
+    Optics(#[from] OpticsError),
+    #[error(transparent)]
+    Phase(#[from] PhaseError),
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+}
+
+/// A problem solved by random paths.
+enum Problem {
+    Slab(SlabProblem),
+    Cylinder(CylinderProblem),
+    Yarn(Box<YarnProblem>),
+}
+
+impl Problem {
+    fn name(&self) -> String {
+        match self {
+            Self::Slab(p) => p.name(),
+            Self::Cylinder(p) => p.name(),
+            Self::Yarn(p) => p.name(),
+        }
+    }
+
+    /// Means over the paths of one batch, in the problem's own order.
+    fn batch(&self, paths: u64, rng: &mut Xoshiro256PlusPlus) -> Vec<f64> {
+        match self {
+            Self::Slab(p) => p.batch(paths, rng),
+            Self::Cylinder(p) => p.batch(paths, rng),
+            Self::Yarn(p) => p.batch(paths, rng),
+        }
+    }
+
+    fn checks(&self, estimates: &[Estimate]) -> Vec<Check> {
+        match self {
+            Self::Slab(p) => p.checks(estimates),
+            Self::Cylinder(p) => p.checks(estimates),
+            Self::Yarn(p) => p.checks(estimates),
+        }
+    }
+}
+
+/// Solves every reference problem with `paths` paths each.
+///
+/// # Errors
+/// Fewer than [`MIN_PATHS`] paths.
+pub fn run(paths: u64, seed: u64) -> Result<Vec<Check>, ValidateError> {
+    run_each(|_| paths, seed)
+}
+
+/// The same with a number of paths for each problem, by its name as in [`Check::problem`]; 0 leaves the problem out.
+/// Neither the others nor the number of threads change a problem's result.
+///
+/// # Errors
+/// A number of paths between 0 and [`MIN_PATHS`].
+pub fn run_each(paths: impl Fn(&str) -> u64, seed: u64) -> Result<Vec<Check>, ValidateError> {
+    let mut problems = Vec::new();
+    problems.extend(slab::problems()?.into_iter().map(Problem::Slab));
+    problems.extend(cylinder::problems()?.into_iter().map(Problem::Cylinder));
+    problems.extend(yarn::problems()?.into_iter().map(|p| Problem::Yarn(Box::new(p))));
+    let mut tasks = Vec::new();
+    for (index, problem) in problems.iter().enumerate() {
+        let found = paths(&problem.name());
+        if found == 0 {
+            continue;
+        }
+        if found < MIN_PATHS {
+            return Err(ValidateError::TooFewPaths { found });
+        }
+        tasks.extend((0..BATCHES).map(|batch| (index, batch, found.div_ceil(BATCHES as u64))));
+    }
+    let means: Vec<Vec<f64>> = tasks
+        .par_iter()
+        .map(|&(index, batch, paths)| {
+            let mut rng = Stream::open(seed, Purpose::Validation, index, batch, 0);
+            problems[index].batch(paths, &mut rng)
+        })
+        .collect();
+    let mut checks = Vec::new();
+    for (batches, tasks) in means.chunks(BATCHES).zip(tasks.chunks(BATCHES)) {
+        checks.extend(problems[tasks[0].0].checks(&Estimate::from_batches(batches)));
+    }
+    for problem in sphere::problems()? {
+        if paths(&problem.name()) > 0 {
+            checks.extend(problem.checks()?);
+        }
+    }
+    Ok(checks)
+}
