@@ -74,8 +74,11 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     })
 }
 
+/// A fraction's name and where it stands.
+type Column = (&'static str, fn(&EnergyRow) -> f64);
+
 fn ledger(energy: &[EnergyRow]) -> Vec<Ledger> {
-    let columns: [(&'static str, fn(&EnergyRow) -> f64); 6] = [
+    let columns: [Column; 6] = [
         ("reflected", |e| e.reflected),
         ("ballistic", |e| e.ballistic),
         ("scattered", |e| e.scattered),

@@ -57,7 +57,7 @@ impl Default for MediumSection {
             particle_index: 1.61,
             particle_diameter_nm: 150.0,
             volume_fraction: 0.14,
-            kappa_peak: 0.006,
+            kappa_peak: 0.0065,
             dye: "preprint-red".into(),
             interference: InterferenceChoice::Independent,
         }
@@ -207,7 +207,7 @@ impl Default for SpecularSection {
             roughness: 0.4,
             distribution: DistributionChoice::Beckmann,
             index: 1.557,
-            weight: 1.0,
+            weight: 0.25,
         }
     }
 }
@@ -277,7 +277,7 @@ pub struct SweepSection {
 impl Default for SweepSection {
     fn default() -> Self {
         Self {
-            kappa_peak: vec![0.003, 0.006, 0.012],
+            kappa_peak: vec![0.002, 0.0065, 0.012],
             volume_fraction: vec![0.07, 0.14, 0.21],
             particle_diameter_nm: vec![100.0, 150.0, 300.0],
             particle_index: vec![1.59, 1.61, 1.63],
