@@ -73,6 +73,7 @@ impl Graph<'_> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, SIZE.0, SIZE.1);
         encoder.set_color(png::ColorType::Rgb);
+        encoder.set_compression(png::Compression::Default);
         encoder.set_depth(png::BitDepth::Eight);
         // Flat areas: a third of the size the default filter gives.
         encoder.set_filter(png::FilterType::NoFilter);
