@@ -1,8 +1,7 @@
 //! Laws of the flat shading models.
 
 use nalgebra::Vector3;
-use specval::shading::{Brdf, BrightnessFactor, Classical, Distribution, Lambert, ShadingError, Specular};
-use specval::spectrum::{Samples, WavelengthGrid};
+use specval::shading::{Brdf, Classical, Distribution, ShadingError, Specular};
 use std::f64::consts::PI;
 
 type Vec3 = Vector3<f64>;
@@ -162,36 +161,44 @@ fn parameters_out_of_range_are_refused() {
     ] {
         assert!(bad.is_err());
     }
-    assert!(Lambert::new(BrightnessFactor(-0.1)).is_err());
-    assert!(Lambert::new(BrightnessFactor(f64::NAN)).is_err());
+    let specular = Specular::new(Distribution::Beckmann, 0.4, 1.557, 0.7).unwrap();
+    for bad in [f64::NAN, f64::INFINITY] {
+        for channel in 0..4 {
+            let mut normal = [0.4, 0.1, 0.05, 0.2];
+            normal[channel] = bad;
+            let error = Classical::new(normal, specular).unwrap_err();
+            assert!(error.to_string().contains("normal/normal"), "{error}");
+        }
+    }
 }
 
 #[test]
-fn classical_is_the_sample_seen_head_on_plus_gloss() {
-    let grid = WavelengthGrid::new(vec![450.0, 550.0, 650.0]).unwrap();
-    let sample = Samples::new("sample", &grid, vec![0.05, 0.02, 0.6]).unwrap();
+fn classical_is_the_sample_seen_head_on_plus_white_gloss() {
+    // Green below 0: a saturated red outside the gamut. The white of an illuminant that is not the RGB space's own.
+    let (normal, white) = ([0.6, -0.02, 0.05, 0.13], [1.1, 0.98, 0.9, 1.0]);
     let specular = Specular::new(Distribution::Beckmann, 0.4, 1.557, 0.7).unwrap();
-    let classical = Classical::new(&sample, specular).unwrap();
-    assert_eq!(classical.grid(), &grid);
+    let classical = Classical::new(normal, specular).unwrap();
     for (theta_l, theta_v) in [(0.0, 0.0), (0.5, 1.1), (1.0, 0.2)] {
         let (l, v) = (direction(theta_l, PI), direction(theta_v, 0.0));
         let gloss = PI * specular.brdf(&l, &v).0;
-        let found: Vec<f64> = classical.brightness_factors(&l, &v).map(|b| b.0).collect();
-        for (found, diffuse) in found.iter().zip(sample.values()) {
-            assert!((found - diffuse - gloss).abs() < 1e-15);
+        assert!(gloss > 0.0);
+        let found = classical.brightness_factor(&l, &v, &white);
+        for channel in 0..4 {
+            assert!((found[channel] - normal[channel] - gloss * white[channel]).abs() < 1e-15);
         }
     }
-    let negative = Samples::new("sample", &grid, vec![0.05, -0.02, 0.6]).unwrap();
-    let error = Classical::new(&negative, specular).unwrap_err();
-    assert!(error.to_string().contains("550 nm"), "{error}");
 }
 
 #[test]
-fn lambert_looks_the_same_from_everywhere() {
-    let lambert = Lambert::new(BrightnessFactor(0.37)).unwrap();
+fn without_gloss_classical_looks_the_same_from_everywhere() {
+    let none = Specular::new(Distribution::Beckmann, 0.4, 1.557, 0.0).unwrap();
+    let normal = [0.37, 0.1, -0.01, 1.2];
+    let classical = Classical::new(normal, none).unwrap();
     for theta in [0.0, 0.7, 1.5] {
-        let found = lambert.brdf(&direction(0.3, 1.0), &direction(theta, 2.0));
-        assert!((found.brightness_factor().0 - 0.37).abs() < 1e-16);
+        let found = classical.brightness_factor(&direction(0.3, 1.0), &direction(theta, 2.0), &[1.0; 4]);
+        assert_eq!(found, normal);
     }
-    assert_eq!(lambert.brdf(&-Vec3::z(), &Vec3::z()), Brdf(0.0));
+    for (l, v) in [(-Vec3::z(), Vec3::z()), (Vec3::z(), -Vec3::z()), (Vec3::x(), Vec3::z())] {
+        assert_eq!(classical.brightness_factor(&l, &v, &[1.0; 4]), [0.0; 4]);
+    }
 }

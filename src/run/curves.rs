@@ -1,6 +1,7 @@
 use super::Plan;
 use crate::colour::ColourSystem;
 use crate::compare::{Channels, Geometry};
+use crate::geometry::Vec3;
 use crate::rig::{brightness_factor, omega_in, omega_out, view_cell};
 use crate::transport::{Purpose, Stream};
 use crate::yarn::RadianceFactorTable;
@@ -83,15 +84,19 @@ pub(super) fn channels(colour: &ColourSystem, beta: &[f64]) -> Channels {
     [r, g, b, xyz.y]
 }
 
-/// β of the gloss about the cloth's normal.
-pub(super) fn gloss(plan: &Plan, geometry: Geometry) -> f64 {
+/// Unit vectors towards light and viewer in the cloth's coordinates.
+pub(super) fn directions(plan: &Plan, geometry: Geometry) -> (Vec3, Vec3) {
     let azimuth_deg = plan.study.cloth.azimuth_deg;
-    let towards_light = omega_in(geometry.theta_i_deg, azimuth_deg);
-    let towards_viewer = omega_out(geometry.theta_v_deg, azimuth_deg);
-    plan.specular
-        .brdf(&towards_light, &towards_viewer)
-        .brightness_factor()
-        .0
+    (
+        omega_in(geometry.theta_i_deg, azimuth_deg),
+        omega_out(geometry.theta_v_deg, azimuth_deg),
+    )
+}
+
+/// β of the gloss about the cloth's normal.
+fn gloss(plan: &Plan, geometry: Geometry) -> f64 {
+    let (omega_in, omega_out) = directions(plan, geometry);
+    plan.specular.brdf(&omega_in, &omega_out).brightness_factor().0
 }
 
 /// Weight of each cell of the f* table in the cloth's mean radiance per irradiance normal to the beam: L = Σ f* E⊥ V
@@ -103,14 +108,14 @@ fn shading_weights(
     stream: usize,
     batch: usize,
 ) -> Vec<f64> {
-    let azimuth_deg = plan.study.cloth.azimuth_deg;
+    let (omega_in, omega_out) = directions(plan, geometry);
     let mut rng = Stream::open(plan.study.seed, Purpose::Camera, stream, batch, 0);
     let mut weights = vec![0.0; table.grid().cells()];
     let share = 1.0 / plan.pixels.count() as f64;
     view_cell(
         &plan.cloth,
-        &omega_in(geometry.theta_i_deg, azimuth_deg),
-        &omega_out(geometry.theta_v_deg, azimuth_deg),
+        &omega_in,
+        &omega_out,
         &plan.pixels,
         &mut rng,
         |interaction| {

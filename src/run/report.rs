@@ -1,9 +1,10 @@
-use super::curves::{channels, gloss};
+use super::curves::{channels, directions};
 use super::{Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows};
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{Channels, ColourRatios, Comparison, Geometry, Inputs, model_colour_ratios};
 use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
+use crate::shading::Classical;
 use crate::study::MediumSection;
 use crate::yarn::{Effort, trace_direct};
 
@@ -39,10 +40,14 @@ pub fn report(
     let white = channels(&plan.colour, &vec![1.0; plan.grid.len()]);
     let comparison = match measured[normal] {
         Some(reading) => {
+            let shading = Classical::new(reading.beta, plan.specular)?;
             let classical: Vec<Channels> = curves
                 .geometries
                 .iter()
-                .map(|g| classical(&reading, gloss(plan, *g), &white))
+                .map(|g| {
+                    let (omega_in, omega_out) = directions(plan, *g);
+                    shading.brightness_factor(&omega_in, &omega_out, &white)
+                })
                 .collect();
             Some(Comparison::new(&Inputs {
                 geometries: &curves.geometries,
@@ -104,12 +109,6 @@ pub fn report(
             notices,
         },
     })
-}
-
-/// Lambert with the sample's own normal/normal brightness factor plus the model's gloss. Colour is linear, so the sum may
-/// be taken in channels; the gloss is as white as the perfect diffuser.
-fn classical(normal: &Reading, gloss: f64, white: &Channels) -> Channels {
-    std::array::from_fn(|c| normal.beta[c] + gloss * white[c])
 }
 
 fn readings(plan: &Plan, geometries: &[Geometry], notices: &mut Vec<String>) -> Result<Vec<Option<Reading>>, RunError> {

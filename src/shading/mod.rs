@@ -1,4 +1,4 @@
-//! Shading about the normal of a flat cloth, as renderers do it: Lambert, Cook–Torrance, and their sum, the classical
+//! Shading about the normal of a flat cloth, as renderers do it: Cook–Torrance, and its sum with Lambert, the classical
 //! model that a physical one has to beat.
 //!
 //! Directions are unit vectors from the surface in the cloth's coordinates, the normal is +z.
@@ -6,7 +6,7 @@
 mod classical;
 mod specular;
 
-pub use classical::{Classical, Lambert};
+pub use classical::Classical;
 pub use specular::{Distribution, Specular};
 
 use std::f64::consts::PI;
@@ -19,14 +19,6 @@ impl Brdf {
     /// π f: radiance relative to that of a perfect diffuser under the same light.
     pub fn brightness_factor(self) -> BrightnessFactor {
         BrightnessFactor(PI * self.0)
-    }
-}
-
-impl std::ops::Add for Brdf {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0)
     }
 }
 
@@ -50,6 +42,6 @@ pub enum ShadingError {
     Index { found: f64 },
     #[error("specular weight: expected a fraction from 0 to 1, found {found}")]
     Weight { found: f64 },
-    #[error("{name}: expected a finite brightness factor of at least 0, found {found}")]
-    Factor { name: String, found: f64 },
+    #[error("normal/normal reading of the sample: expected finite brightness factors r, g, b, y, found {found:?}")]
+    Factor { found: [f64; 4] },
 }
