@@ -30,7 +30,7 @@ struct Header<'a> {
     wavelength_nm: &'a [f64],
     tilt_deg: Vec<f64>,
     z_edges_mm: &'a [f64],
-    /// Zenith angle and azimuth of the traced directions.
+    /// Every incident direction, mirrored ones included.
     energy: &'a [EnergyRow],
     arrays: Vec<Array>,
 }

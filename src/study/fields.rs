@@ -281,16 +281,21 @@ pub(super) const SECTIONS: &[Section] = &[
                 "",
                 Kind::Number(Range {
                     low: 0.0,
-                    low_included: true,
+                    low_included: false,
                     high: 1.0,
                     high_included: false,
                 }),
-                "Weight of a path below which Russian roulette is played; 0 never plays.",
+                "Share of its first weight below which a path plays Russian roulette.",
             ),
             field(
                 "roulette_survival",
                 "",
-                Kind::Number(above(0.0, 1.0)),
+                Kind::Number(Range {
+                    low: 0.0,
+                    low_included: false,
+                    high: 1.0,
+                    high_included: false,
+                }),
                 "Probability of surviving the roulette.",
             ),
             field(
@@ -409,7 +414,7 @@ pub(super) const SECTIONS: &[Section] = &[
             field(
                 "roughness",
                 "",
-                Kind::Number(above(0.0, 1.0)),
+                Kind::Number(closed(0.001, 1.0)),
                 "Root mean square slope of the facets.",
             ),
             field(
@@ -422,7 +427,7 @@ pub(super) const SECTIONS: &[Section] = &[
             field(
                 "weight",
                 "",
-                Kind::Number(closed(0.0, 10.0)),
+                Kind::Number(closed(0.0, 1.0)),
                 "Factor of the whole term; 0 switches it off.",
             ),
         ],
