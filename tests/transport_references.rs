@@ -31,8 +31,8 @@ fn slabs_in_collimated_light() {
             .iter()
             .filter(|c| c.problem == name && c.quantity.ends_with("total") && c.reference > 0.0);
         let easier = totals.map(|c| c.se / c.reference).fold(f64::INFINITY, f64::min);
-        // A third more, since the pilot's standard errors are themselves known to 7 %, and the test must not hang on that.
-        (1.3 * 100_000.0 * (easier / 1e-3).powi(2)).max(100_000.0) as u64
+        // Well more, since standard errors are themselves known to 7 %, and the test must not hang on that.
+        (1.8 * 100_000.0 * (easier / 1e-3).powi(2)).max(100_000.0) as u64
     });
     assert_eq!(checks.len(), 44);
     for pilot in pilot.iter().filter(|c| c.quantity == "R_total") {
