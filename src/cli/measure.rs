@@ -1,6 +1,6 @@
 use super::{Failure, Options, Terminal, study};
 use serde::Serialize;
-use specval::report::write_whole;
+use specval::report::{check_writable, write_whole};
 use specval::run::{Plan, SpectralCurves};
 use specval::yarn::trace_direct;
 use std::path::PathBuf;
@@ -29,8 +29,7 @@ struct Row {
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
     let plan = Plan::new(study::load(arguments.study.as_deref(), options)?)?;
-    let titles = "theta_i_deg,theta_v_deg,wavelength_nm,beta,beta_se\n";
-    write_whole(&arguments.out, titles.as_bytes())?;
+    check_writable(&arguments.out)?;
     let wavelengths = plan.grid.len();
     let effort = plan.direct_effort;
     let total = (effort.batches * effort.paths_per_batch * plan.factor_grid.tilts() * wavelengths) as f64;

@@ -1,6 +1,6 @@
 use super::{Failure, Options, Terminal, study};
 use serde::Serialize;
-use specval::report::{EnergyRow, write_whole};
+use specval::report::{EnergyRow, check_writable, write_whole};
 use specval::run::{self, Plan, Simulation, energy_rows};
 use std::io::Write;
 use std::path::PathBuf;
@@ -54,7 +54,7 @@ struct Ledger {
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
     let plan = Plan::new(study::load(arguments.study.as_deref(), options)?)?;
-    write_whole(&arguments.out, MAGIC)?;
+    check_writable(&arguments.out)?;
     let tracing = terminal.progress("tracing the yarn");
     let simulation = run::simulate(&plan, &|share| tracing.advance(share));
     tracing.finish();

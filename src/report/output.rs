@@ -50,14 +50,17 @@ impl OutputFolder {
     }
 }
 
+/// Finds out before a long run whether [`write_whole`] will be able to; leaves nothing behind.
+pub fn check_writable(path: &Path) -> Result<(), ReportError> {
+    let staged = staged(path)?;
+    fs::write(&staged, [])
+        .and_then(|()| fs::remove_file(&staged))
+        .map_err(not_writable(path))
+}
+
 /// Writes one file whole or not at all.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
-    if path.is_dir() {
-        return Err(ReportError::FolderInTheWay { path: path.to_owned() });
-    }
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.partial", std::process::id()));
-    let staged = path.with_file_name(name);
+    let staged = staged(path)?;
     fs::write(&staged, bytes)
         .and_then(|()| fs::rename(&staged, path))
         .map_err(|cause| {
@@ -65,6 +68,16 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
             let _ = fs::remove_file(&staged);
             not_writable(path)(cause)
         })
+}
+
+/// Where a file waits until it is whole: beside its place, so that the move is one step.
+fn staged(path: &Path) -> Result<PathBuf, ReportError> {
+    if path.is_dir() {
+        return Err(ReportError::FolderInTheWay { path: path.to_owned() });
+    }
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.partial", std::process::id()));
+    Ok(path.with_file_name(name))
 }
 
 /// The folder files wait in; removed with whatever is left in it when dropped.

@@ -107,7 +107,7 @@ pub struct SampleNote {
     pub kind: String,
     pub source: String,
     pub licence: String,
-    /// One or two sentences: what it is, its standard uncertainty, its RGB space.
+    /// What name and kind do not say: its standard uncertainty, its RGB space.
     pub caption: String,
 }
 

@@ -157,7 +157,7 @@ fn sample_note(plan: &Plan, fallbacks: &mut Vec<String>) -> SampleNote {
         kind: kind.into(),
         source: of.source.clone(),
         licence: of.licence.clone(),
-        caption: format!("{}: {kind}, {uncertainty}{colour}", of.name),
+        caption: format!("{uncertainty}{colour}"),
     }
 }
 
