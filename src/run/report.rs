@@ -1,7 +1,9 @@
 use super::curves::{channels, directions};
 use super::{Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows};
 use crate::colour::{ColourSystem, Convention};
-use crate::compare::{Channels, ColourRatios, Comparison, Geometry, Inputs, model_colour_ratios};
+use crate::compare::{
+    Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, Inputs, Propagation, Source, model_colour_ratios,
+};
 use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
 use crate::shading::Classical;
@@ -58,7 +60,7 @@ pub fn report(
         }
         None => {
             fallbacks.push(format!(
-                "sample {} has no reading at normal incidence and view: no normalisation, no curves",
+                "sample {} has no reading at normal incidence and view: no classical model, no normalisation",
                 plan.sample.name()
             ));
             None
@@ -90,7 +92,10 @@ pub fn report(
     Ok(ReportData {
         wavelengths_nm: plan.grid.nm().to_vec(),
         colour_convention: plan.study.colour.to_string(),
-        curves: comparison.map(|c| c.curves.clone()).unwrap_or_default(),
+        curves: match comparison {
+            Some(comparison) => comparison.curves.clone(),
+            None => model_curves(&curves, &model, &measured)?,
+        },
         table1,
         conventions,
         energy: energy_rows(plan, &simulation.bssrdf),
@@ -109,6 +114,31 @@ pub fn report(
             notices,
         },
     })
+}
+
+/// The model's own curves, not normalised, for want of a measurement.
+fn model_curves(
+    curves: &SpectralCurves,
+    model: &[Vec<Channels>],
+    measured: &[Option<Reading>],
+) -> Result<Vec<CurvePoint>, RunError> {
+    let propagation = Propagation::new(model, measured)?;
+    let mut points = Vec::new();
+    for channel in Channel::ALL {
+        for (j, geometry) in curves.geometries.iter().enumerate() {
+            let beta = propagation.estimate(|model, _| model[j][channel as usize]);
+            points.push(CurvePoint {
+                theta_i_deg: geometry.theta_i_deg,
+                theta_v_deg: geometry.theta_v_deg,
+                source: Source::Model,
+                channel,
+                beta: beta.value,
+                se: beta.se,
+                interpolated: false,
+            });
+        }
+    }
+    Ok(points)
 }
 
 fn readings(plan: &Plan, geometries: &[Geometry], notices: &mut Vec<String>) -> Result<Vec<Option<Reading>>, RunError> {
@@ -227,11 +257,7 @@ fn table1(
         published.real.blue_over_red[0],
         published.real.green_over_red[0],
     )];
-    let measured = comparison.and_then(|c| {
-        c.colour_ratios
-            .iter()
-            .find(|r| r.source == crate::compare::Source::Measured)
-    });
+    let measured = comparison.and_then(|c| c.colour_ratios.iter().find(|r| r.source == Source::Measured));
     if let Some(measured) = measured {
         rows.push(Table1Row::estimated(Table1Name::Measured, &measured.ratios));
     }
