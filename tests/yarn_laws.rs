@@ -5,7 +5,8 @@ use specval::optics::{Interference, Medium, MediumSpec};
 use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::transport::{Cylinder, LedgerEntry, Roulette};
 use specval::yarn::{
-    BssrdfRun, Effort, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn, trace_bssrdf, trace_direct,
+    BssrdfRun, Effort, IncidentGrid, RadianceFactorGrid, RadianceFactorTable, SurfaceGrid, Yarn, trace_bssrdf,
+    trace_direct,
 };
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
@@ -61,7 +62,7 @@ fn white_furnace() {
 /// The BSSRDF table and both f* tables hold the ledger's scattered light to rounding.
 #[test]
 fn tables_integrate_to_the_ledger() {
-    let yarn = yarn(&[450.0, 550.0], 0.003);
+    let yarn = yarn(&[550.0, 650.0], 0.0005);
     let incident = IncidentGrid::new(3, 8, true).unwrap();
     let surface = SurfaceGrid::new(12, 3, 8).unwrap();
     let effort = Effort::new(3, 4, 4000).unwrap();
@@ -75,7 +76,7 @@ fn tables_integrate_to_the_ledger() {
                 entry.mean.scattered
             );
             let overflow = run.bssrdf.overflow(wavelength, direction);
-            assert!((0.0..table).contains(&overflow) && (overflow > 0.0 || wavelength == 1));
+            assert!(overflow > 0.0 && overflow < table);
         }
     }
     let direct = trace_direct(&yarn, RadianceFactorGrid::new(3, surface).unwrap(), effort, &quiet);
@@ -113,34 +114,52 @@ fn joint_p(z: &[f64]) -> f64 {
     1.0 - ChiSquared::new(z.len() as f64).unwrap().cdf(chi2)
 }
 
-/// f* by summing the BSSRDF over the lit surface agrees with f* under a parallel beam: joint χ² over azimuths × coarse
-/// exit cells × 3 tilts at two wavelengths, false alarms 0.1 %. The BSSRDF has 18 × 32 directions, so that what
-/// interpolation between directions adds stays below the statistical error.
+/// f* by summing the BSSRDF over the lit surface agrees with f* under a parallel beam: joint χ² over 6 azimuths of 30° × 12
+/// exit cells × 3 tilts at two wavelengths, false alarms 0.1 %. Azimuths are pooled because interpolation between a finite
+/// number of incident directions (here 18 × 32) blurs the light that the yarn focuses straight through: with four times
+/// the paths, the 10° cell opposite the light holds 0.0235 ± 0.0003 in the sum and 0.0281 ± 0.0004 under the beam (450 nm,
+/// tilt 45°). The blur moves light between neighbouring cells and does not change its amount.
 #[test]
 fn bssrdf_sum_agrees_with_direct_simulation() {
+    const BATCHES: usize = 40;
+    const POOL: usize = 3;
     let yarn = yarn(&[450.0, 650.0], 0.001);
     let surface = SurfaceGrid::new(36, 3, 4).unwrap();
     let run = bssrdf(
         &yarn,
         IncidentGrid::new(18, 32, true).unwrap(),
         surface,
-        Effort::new(5, 40, 4000).unwrap(),
+        Effort::new(5, BATCHES, 4000).unwrap(),
     );
     let direct = trace_direct(
         &yarn,
         RadianceFactorGrid::new(3, surface).unwrap(),
-        Effort::new(6, 40, 80_000).unwrap(),
+        Effort::new(6, BATCHES, 80_000).unwrap(),
         &quiet,
     );
-    // Cells share paths of one batch but are nearly independent; batches of 40 make each z a Student t of 39 degrees on
-    // either side, of variance 39/37.
-    let mut z = Vec::new();
     let grid = *run.table.grid();
-    for cell in 0..grid.cells() {
-        for wavelength in 0..2 {
-            let (a, sa) = run.table.estimate(cell, wavelength);
-            let (b, sb) = direct.table.estimate(cell, wavelength);
-            z.push((a - b) / (sa * sa + sb * sb).sqrt() / (39.0f64 / 37.0).sqrt());
+    let pooled = |table: &RadianceFactorTable, tilt, azimuth, exit, wavelength| {
+        let batches: Vec<f64> = (0..BATCHES)
+            .map(|batch| {
+                let cell = |k| grid.cell(tilt, azimuth * POOL + k, exit);
+                (0..POOL).map(|k| table.value(batch, cell(k), wavelength)).sum::<f64>() / POOL as f64
+            })
+            .collect();
+        let mean = batches.iter().sum::<f64>() / BATCHES as f64;
+        let square: f64 = batches.iter().map(|b| (b - mean).powi(2)).sum();
+        (mean, (square / (BATCHES * (BATCHES - 1)) as f64).sqrt())
+    };
+    let mut z = Vec::new();
+    for tilt in 0..grid.tilts() {
+        for azimuth in 0..grid.azimuths() / POOL {
+            for exit in 0..surface.exit().cells() {
+                for wavelength in 0..2 {
+                    let (a, sa) = pooled(&run.table, tilt, azimuth, exit, wavelength);
+                    let (b, sb) = pooled(&direct.table, tilt, azimuth, exit, wavelength);
+                    // Student's t of 39 degrees on either side has variance 39/37.
+                    z.push((a - b) / sa.hypot(sb) / (39.0f64 / 37.0).sqrt());
+                }
+            }
         }
     }
     let worst = z.iter().fold(0.0f64, |w, z| w.max(z.abs()));
