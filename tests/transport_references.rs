@@ -15,7 +15,7 @@ fn agree(checks: &[Check]) {
     }
 }
 
-/// A pilot run tells how many paths bring the total R or T, the easier of the two, to 0.1 %.
+/// A pilot run tells how many paths bring total R and T both to 0.1 %.
 /// False alarms: 44 quantities, half of them independent, |t| > 4 with 99 degrees of freedom has probability 1.2e-4: 0.3 %.
 #[test]
 fn slabs_in_collimated_light() {
@@ -30,17 +30,17 @@ fn slabs_in_collimated_light() {
         let totals = pilot
             .iter()
             .filter(|c| c.problem == name && c.quantity.ends_with("total") && c.reference > 0.0);
-        let easier = totals.map(|c| c.se / c.reference).fold(f64::INFINITY, f64::min);
+        let harder = totals.map(|c| c.se / c.reference).fold(0.0, f64::max);
         // Well more, since standard errors are themselves known to 7 %, and the test must not hang on that.
-        (1.8 * 100_000.0 * (easier / 1e-3).powi(2)).max(100_000.0) as u64
+        (1.5 * 100_000.0 * (harder / 1e-3).powi(2)).max(100_000.0) as u64
     });
     assert_eq!(checks.len(), 44);
     for pilot in pilot.iter().filter(|c| c.quantity == "R_total") {
         let mut totals = checks
             .iter()
-            .filter(|c| c.problem == pilot.problem && c.quantity.ends_with("total"));
+            .filter(|c| c.problem == pilot.problem && c.quantity.ends_with("total") && c.reference > 0.0);
         assert!(
-            totals.any(|c| c.se > 0.0 && c.se <= 1e-3 * c.reference),
+            totals.all(|c| c.se <= 1e-3 * c.reference),
             "{}",
             pilot.problem
         );
