@@ -39,11 +39,7 @@ fn slabs_in_collimated_light() {
         let mut totals = checks
             .iter()
             .filter(|c| c.problem == pilot.problem && c.quantity.ends_with("total") && c.reference > 0.0);
-        assert!(
-            totals.all(|c| c.se <= 1e-3 * c.reference),
-            "{}",
-            pilot.problem
-        );
+        assert!(totals.all(|c| c.se <= 1e-3 * c.reference), "{}", pilot.problem);
     }
     agree(&checks);
 }
