@@ -2,7 +2,9 @@
 
 use proptest::prelude::*;
 use specval::colour::Observer;
-use specval::study::{InterferenceChoice, Study, StudyError, WeaveChoice};
+use specval::run::{Plan, medium};
+use specval::study::{EstimatorChoice, InterferenceChoice, NumberOrTable, Study, StudyError, WeaveChoice};
+use std::io::Write;
 
 fn refused(text: &str) -> StudyError {
     Study::from_toml(text, "my.toml").unwrap_err()
@@ -67,7 +69,7 @@ fn every_offered_choice_is_accepted() {
             }
         }
     }
-    assert_eq!(tried, 25);
+    assert_eq!(tried, 26);
 }
 
 #[test]
@@ -81,6 +83,8 @@ fn what_is_written_is_read_back() {
     study.cloth.weave = WeaveChoice::Twill21;
     study.colour.observer = Observer::Cie1964;
     study.trace.roulette_threshold = 1e-5;
+    study.trace.estimator = EstimatorChoice::Shared;
+    study.medium.host_index = NumberOrTable::Table("host.csv".into());
     assert_eq!(Study::from_toml(&study.to_toml().unwrap(), "t"), Ok(study));
     assert_eq!(Study::from_toml("", "t"), Ok(Study::default()));
 }
@@ -145,6 +149,16 @@ fn wrong_types_say_what_was_expected_and_found() {
             "[0, \"a\"] (array)",
         ),
         ("[medium]\ndye = 3", "a text in quotes", "3 (integer)"),
+        (
+            "[medium]\nhost_mu_a_per_mm = [0, 1]",
+            "a number, 0 to 1000000 1/mm, or a path in quotes to a CSV of such numbers, columns wavelength_nm,value",
+            "[0, 1] (array)",
+        ),
+        (
+            "[specular]\nindex = 'host.csv'",
+            "a number, 1 to 4",
+            "'host.csv' (string)",
+        ),
         ("medium = 3", "a section, [medium]", "integer"),
         ("[[medium]]\ndye = 'a'", "a section, [medium]", "array"),
     ] {
@@ -176,6 +190,11 @@ fn values_out_of_range_are_refused_with_their_line() {
         ("[medium]\nvolume_fraction = 0.74", "medium.volume_fraction", 2),
         ("[medium]\nvolume_fraction = -0.1", "medium.volume_fraction", 2),
         ("[medium]\n\nhost_index = nan", "medium.host_index", 3),
+        ("[medium]\nhost_index = 0.9", "medium.host_index", 2),
+        ("[medium]\nhost_index = '1.5'", "medium.host_index", 2),
+        ("[medium]\nhost_index = ' '", "medium.host_index", 2),
+        ("[medium]\nhost_mu_a_per_mm = -1", "medium.host_mu_a_per_mm", 2),
+        ("[medium]\nparticle_index = 5", "medium.particle_index", 2),
         ("[yarn]\nradius_mm = inf", "yarn.radius_mm", 2),
         ("[yarn]\nradius_mm = 0", "yarn.radius_mm", 2),
         ("[medium]\ndye = ''", "medium.dye", 2),
@@ -235,6 +254,116 @@ fn broken_toml_names_the_line() {
             other => panic!("{text}: {other}"),
         }
     }
+}
+
+fn table(text: &str) -> tempfile::NamedTempFile {
+    let mut file = tempfile::NamedTempFile::new().unwrap();
+    file.write_all(text.as_bytes()).unwrap();
+    file
+}
+
+/// A study of three wavelengths with tables for some of the medium's numbers.
+fn with_tables(tables: &[(&str, &str)]) -> Study {
+    let keys: String = tables.iter().map(|(key, path)| format!("{key} = '{path}'\n")).collect();
+    Study::from_toml(
+        &format!("[spectrum]\nwavelengths_nm = [450, 500, 650]\n[medium]\n{keys}"),
+        "t",
+    )
+    .unwrap()
+}
+
+/// Linear between rows, exact at them, and the same coefficients as a number where the table has that number.
+#[test]
+fn numbers_of_the_medium_may_be_tables() {
+    let host = table("# n of a fibre\nwavelength_nm,value\n400,1.58\n500,1.56\n700,1.55\n");
+    let particle = table("wavelength_nm,value\n400,1.63\n500,1.61\n700,1.61\n");
+    let mu_a = table("wavelength_nm,value\n400,3\n500,2\n700,0\n");
+    let path = |file: &tempfile::NamedTempFile| file.path().display().to_string();
+    let study = with_tables(&[
+        ("host_index", &path(&host)),
+        ("particle_index", &path(&particle)),
+        ("host_mu_a_per_mm", &path(&mu_a)),
+    ]);
+    let tabulated = medium(&study).unwrap();
+    for (found, expected) in tabulated.host_index().iter().zip([1.57, 1.56, 1.5525]) {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+    assert!(tabulated.is_dispersive());
+    let mut plain = with_tables(&[]);
+    plain.medium.host_index = NumberOrTable::Number(1.56);
+    plain.medium.particle_index = NumberOrTable::Number(1.61);
+    plain.medium.host_mu_a_per_mm = NumberOrTable::Number(2.0);
+    let constant = medium(&plain).unwrap();
+    for pair in [
+        (tabulated.mu_s_per_mm(), constant.mu_s_per_mm()),
+        (tabulated.mu_a_per_mm(), constant.mu_a_per_mm()),
+        (tabulated.g(), constant.g()),
+    ] {
+        assert_eq!(pair.0[1], pair.1[1]);
+        assert_ne!(pair.0[0], pair.1[0]);
+    }
+    let names: Vec<String> = Plan::new(study).unwrap().inputs.into_iter().map(|i| i.name).collect();
+    assert_eq!(
+        names,
+        [
+            "dye preprint-red".to_owned(),
+            format!("host_index {}", path(&host)),
+            format!("host_mu_a_per_mm {}", path(&mu_a)),
+            format!("particle_index {}", path(&particle)),
+            "sample merl-red-fabric".into(),
+        ]
+    );
+}
+
+#[test]
+fn a_bad_table_is_refused_by_key_and_file() {
+    for (key, text, words) in [
+        (
+            "host_index",
+            "wavelength_nm,value\n400,1.5\n500,0.5\n700,1.5\n",
+            &["each value 1 to 4", "0.5 at 500 nm"][..],
+        ),
+        (
+            "host_mu_a_per_mm",
+            "wavelength_nm,value\n400,-1\n700,1\n",
+            &["each value 0 to 1000000 1/mm", "-1 at 400 nm"],
+        ),
+        (
+            "particle_index",
+            "wavelength_nm,value\n460,1.6\n700,1.6\n",
+            &["460..700 nm", "no value at 450 nm"],
+        ),
+        (
+            "host_index",
+            "wavelength_nm,value\n400,1.5\n700,thick\n",
+            &["line 3", "column value", "found thick"],
+        ),
+        (
+            "host_index",
+            "wavelength_nm,n\n400,1.5\n700,1.5\n",
+            &["the columns wavelength_nm,value", "\"n\""],
+        ),
+        (
+            "host_index",
+            "wavelength_nm,value,k\n400,1.5,0\n700,1.5,0\n",
+            &["the columns wavelength_nm,value", "\"value\", \"k\""],
+        ),
+    ] {
+        let file = table(text);
+        let path = file.path().display().to_string();
+        let message = medium(&with_tables(&[(key, &path)])).unwrap_err().to_string();
+        assert!(
+            message.starts_with(&format!("`medium.{key}`: ")) && message.contains(&path),
+            "{message}"
+        );
+        assert!(words.iter().all(|w| message.contains(w)), "{message}");
+    }
+    let study = with_tables(&[("host_index", "/nowhere/host.csv")]);
+    let message = Plan::new(study).err().unwrap().to_string();
+    assert!(
+        message.starts_with("`medium.host_index`: /nowhere/host.csv: cannot be read: "),
+        "{message}"
+    );
 }
 
 proptest! {

@@ -6,9 +6,10 @@ use crate::report::{InputDigest, ReportError};
 use crate::rig::{PixelSamples, Rig, RigError};
 use crate::sample::{Sample, SampleError};
 use crate::shading::{Distribution, ShadingError, Specular};
-use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_csv_spectrum, tables};
+use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_csv_spectra, read_csv_spectrum, tables};
 use crate::study::{
-    CentreLineChoice, DistributionChoice, InterferenceChoice, MediumSection, Study, StudyError, WeaveChoice,
+    CentreLineChoice, DistributionChoice, InterferenceChoice, MediumSection, NumberOrTable, Study, StudyError,
+    WeaveChoice,
 };
 use crate::transport::{Cylinder, Roulette};
 use crate::yarn::{Effort, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn, YarnError};
@@ -21,6 +22,9 @@ pub enum RunError {
     Study(#[from] StudyError),
     #[error("`medium.dye`: {source}; nor is there a file of that name")]
     Dye { source: SpectrumError },
+    /// A table that stands for a number of `[medium]`: not there, no CSV of a spectrum, or not over the study's wavelengths.
+    #[error("`medium.{key}`: {source}")]
+    Table { key: &'static str, source: SpectrumError },
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
     #[error(transparent)]
@@ -67,15 +71,13 @@ impl Plan {
     pub fn new(study: Study) -> Result<Self, RunError> {
         study.validate()?;
         let grid = WavelengthGrid::new(study.spectrum.wavelengths())?;
-        let dye = dye(&study.medium.dye)?;
+        let spectra = MediumSpectra::read(&study.medium, &grid)?;
         let sample = Sample::load(&study.measured.sample)?;
-        let inputs = vec![
-            InputDigest::of(format!("dye {}", study.medium.dye), &le_bytes(dye.on(&grid)?.values())),
-            InputDigest {
-                name: format!("sample {}", study.measured.sample),
-                sha256: sample.digest().to_owned(),
-            },
-        ];
+        let mut inputs = spectra.digests(&study.medium, &grid)?;
+        inputs.push(InputDigest {
+            name: format!("sample {}", study.measured.sample),
+            sha256: sample.digest().to_owned(),
+        });
         let trace = &study.trace;
         let cells = |n: u32| n as usize;
         let surface = |theta, phi| SurfaceGrid::new(cells(trace.exit_azimuth_cells), cells(theta), cells(phi));
@@ -87,7 +89,7 @@ impl Plan {
         let specular = &study.specular;
         let pixels = cells(study.rig.pixels_per_side);
         Ok(Self {
-            yarn: yarn(&study, &study.medium, &dye, &grid)?,
+            yarn: yarn(&study, &study.medium, spectra, &grid)?,
             incident: IncidentGrid::new(
                 cells(trace.zenith_cells),
                 cells(trace.azimuth_cells),
@@ -119,7 +121,12 @@ impl Plan {
 
     /// The same yarn of another medium.
     pub fn yarn_of(&self, medium: &MediumSection) -> Result<Yarn, RunError> {
-        yarn(&self.study, medium, &dye(&medium.dye)?, &self.grid)
+        yarn(
+            &self.study,
+            medium,
+            MediumSpectra::read(medium, &self.grid)?,
+            &self.grid,
+        )
     }
 
     /// Every pair of incidence and view of the rig.
@@ -142,33 +149,78 @@ fn le_bytes(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
-fn yarn(study: &Study, medium: &MediumSection, dye: &Spectrum, grid: &WavelengthGrid) -> Result<Yarn, RunError> {
+fn yarn(
+    study: &Study,
+    medium: &MediumSection,
+    spectra: MediumSpectra,
+    grid: &WavelengthGrid,
+) -> Result<Yarn, RunError> {
     let radius = Cylinder::new(study.yarn.radius_mm).map_err(YarnError::from)?;
     let roulette =
         Roulette::new(study.trace.roulette_threshold, study.trace.roulette_survival).map_err(YarnError::from)?;
     Ok(Yarn {
         cylinder: radius,
-        medium: medium_of(medium, dye, grid)?,
+        medium: medium_of(medium, spectra, grid)?,
         roulette,
     })
 }
 
+/// What a medium's section says as functions of wavelength, every file read.
+struct MediumSpectra {
+    host_index: Spectrum,
+    host_mu_a_per_mm: Spectrum,
+    particle_index: Spectrum,
+    dye: Spectrum,
+}
+
+impl MediumSpectra {
+    fn read(of: &MediumSection, grid: &WavelengthGrid) -> Result<Self, RunError> {
+        Ok(Self {
+            host_index: number_or_table("host_index", &of.host_index, grid)?,
+            host_mu_a_per_mm: number_or_table("host_mu_a_per_mm", &of.host_mu_a_per_mm, grid)?,
+            particle_index: number_or_table("particle_index", &of.particle_index, grid)?,
+            dye: dye(&of.dye)?,
+        })
+    }
+
+    /// Of the tables, as the grid takes them; numbers stand in the study itself.
+    fn digests(&self, of: &MediumSection, grid: &WavelengthGrid) -> Result<Vec<InputDigest>, RunError> {
+        let spectra = [
+            ("dye", &self.dye, Some(of.dye.as_str())),
+            ("host_index", &self.host_index, of.host_index.table()),
+            ("host_mu_a_per_mm", &self.host_mu_a_per_mm, of.host_mu_a_per_mm.table()),
+            ("particle_index", &self.particle_index, of.particle_index.table()),
+        ];
+        let mut digests = Vec::new();
+        for (key, spectrum, table) in spectra {
+            if let Some(name) = table {
+                digests.push(InputDigest::of(
+                    format!("{key} {name}"),
+                    &le_bytes(spectrum.on(grid)?.values()),
+                ));
+            }
+        }
+        Ok(digests)
+    }
+}
+
 /// The medium of a study's section on a grid.
-fn medium_of(of: &MediumSection, dye: &Spectrum, grid: &WavelengthGrid) -> Result<Medium, RunError> {
-    let kappa = dye
+fn medium_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) -> Result<Medium, RunError> {
+    let kappa = spectra
+        .dye
         .on(grid)?
         .values()
         .iter()
         .map(|share| of.kappa_peak * share)
         .collect();
     let spec = MediumSpec {
-        host_index: Spectrum::Constant(of.host_index),
-        particle_index: Spectrum::Constant(of.particle_index),
+        host_index: spectra.host_index,
+        particle_index: spectra.particle_index,
         particle_kappa: Spectrum::Table {
             name: of.dye.clone(),
             samples: Samples::new(&of.dye, grid, kappa)?,
         },
-        host_mu_a_per_mm: Spectrum::Constant(of.host_mu_a_per_mm),
+        host_mu_a_per_mm: spectra.host_mu_a_per_mm,
         particle_diameter_nm: of.particle_diameter_nm,
         volume_fraction: of.volume_fraction,
         interference: match of.interference {
@@ -183,7 +235,23 @@ fn medium_of(of: &MediumSection, dye: &Spectrum, grid: &WavelengthGrid) -> Resul
 pub fn medium(study: &Study) -> Result<Medium, RunError> {
     study.validate()?;
     let grid = WavelengthGrid::new(study.spectrum.wavelengths())?;
-    medium_of(&study.medium, &dye(&study.medium.dye)?, &grid)
+    medium_of(&study.medium, MediumSpectra::read(&study.medium, &grid)?, &grid)
+}
+
+/// A number of `[medium]`, or the table from the file that it names; `key` is without the section.
+fn number_or_table(key: &'static str, of: &NumberOrTable, grid: &WavelengthGrid) -> Result<Spectrum, RunError> {
+    let path = match of {
+        NumberOrTable::Number(value) => return Ok(Spectrum::Constant(*value)),
+        NumberOrTable::Table(path) => path,
+    };
+    let at_key = |source| RunError::Table { key, source };
+    let columns = read_csv_spectra(Path::new(path)).map_err(at_key)?;
+    let table = Spectrum::Table {
+        name: path.clone(),
+        samples: Study::medium_table(key, path, &columns)?,
+    };
+    table.on(grid).map_err(at_key)?;
+    Ok(table)
 }
 
 /// A built-in dye by its name, else one from a file.

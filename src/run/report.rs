@@ -7,7 +7,7 @@ use crate::compare::{
 use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
 use crate::shading::Classical;
-use crate::study::MediumSection;
+use crate::study::{MediumSection, NumberOrTable};
 use crate::yarn::{Effort, trace_direct};
 
 /// Least effort of a point of the sweep: batches, and the share of the study's paths.
@@ -205,19 +205,23 @@ fn sweep(plan: &Plan, notices: &mut Vec<String>, progress: Progress) -> Result<V
     let base = &plan.study.medium;
     let of = &plan.study.sweep;
     let mut media: Vec<MediumSection> = Vec::new();
-    let mut vary = |values: &[f64], own: f64, set: fn(&mut MediumSection, f64)| {
-        for &value in values.iter().filter(|v| **v != own) {
+    let mut vary = |values: &[f64], own: Option<f64>, set: fn(&mut MediumSection, f64)| {
+        for &value in values.iter().filter(|v| Some(**v) != own) {
             let mut medium = base.clone();
             set(&mut medium, value);
             media.push(medium);
         }
     };
-    vary(&of.kappa_peak, base.kappa_peak, |m, v| m.kappa_peak = v);
-    vary(&of.volume_fraction, base.volume_fraction, |m, v| m.volume_fraction = v);
-    vary(&of.particle_diameter_nm, base.particle_diameter_nm, |m, v| {
+    vary(&of.kappa_peak, Some(base.kappa_peak), |m, v| m.kappa_peak = v);
+    vary(&of.volume_fraction, Some(base.volume_fraction), |m, v| {
+        m.volume_fraction = v
+    });
+    vary(&of.particle_diameter_nm, Some(base.particle_diameter_nm), |m, v| {
         m.particle_diameter_nm = v
     });
-    vary(&of.particle_index, base.particle_index, |m, v| m.particle_index = v);
+    vary(&of.particle_index, base.particle_index.number(), |m, v| {
+        m.particle_index = NumberOrTable::Number(v)
+    });
     let batches = SWEEP_BATCHES.min(plan.direct_effort.batches);
     let effort = Effort::new(
         plan.study.seed,

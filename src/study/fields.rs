@@ -21,6 +21,8 @@ pub(super) struct Field {
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
     Number(Range),
+    /// A number, or a path to a table of them over wavelength.
+    NumberOrTable(Range),
     /// A list of at least so many numbers.
     Numbers(Range, usize),
     Integer(u64, u64),
@@ -67,6 +69,9 @@ impl Field {
         };
         match self.kind {
             Kind::Number(range) => format!("a number, {range}{unit}"),
+            Kind::NumberOrTable(range) => format!(
+                "a number, {range}{unit}, or a path in quotes to a CSV of such numbers, columns wavelength_nm,value"
+            ),
             Kind::Numbers(range, at_least) => format!("a list of {at_least} or more numbers, each {range}{unit}"),
             Kind::Integer(low, high) => format!("a whole number, {low} to {high}{unit}"),
             Kind::Flag => "true or false".into(),
@@ -193,17 +198,22 @@ pub(super) const SECTIONS: &[Section] = &[
         name: "medium",
         meaning: "What fills the yarn: equal dyed spheres in a clear host.",
         fields: &[
-            field("host_index", "", Kind::Number(INDEX), "Refractive index of the host."),
+            field(
+                "host_index",
+                "",
+                Kind::NumberOrTable(INDEX),
+                "Refractive index of the host.",
+            ),
             field(
                 "host_mu_a_per_mm",
                 "1/mm",
-                Kind::Number(closed(0.0, 1e6)),
+                Kind::NumberOrTable(closed(0.0, 1e6)),
                 "Absorption coefficient of the host.",
             ),
             field(
                 "particle_index",
                 "",
-                Kind::Number(INDEX),
+                Kind::NumberOrTable(INDEX),
                 "Refractive index of the particles, absolute.",
             ),
             field(
@@ -255,8 +265,9 @@ pub(super) const SECTIONS: &[Section] = &[
             field(
                 "estimator",
                 "",
-                Kind::Choice(&["independent"]),
-                "How wavelengths share paths: independent is one wavelength a path.",
+                Kind::Choice(&["shared", "independent"]),
+                "Shared: one path for all wavelengths of one host index. Independent: a path each, whose ledger alone closes to \
+                 rounding.",
             ),
             field(
                 "batches",
@@ -528,7 +539,12 @@ pub(super) const SECTIONS: &[Section] = &[
                 Kind::Numbers(DIAMETER, 0),
                 "As in [medium].",
             ),
-            field("particle_index", "", Kind::Numbers(INDEX, 0), "As in [medium]."),
+            field(
+                "particle_index",
+                "",
+                Kind::Numbers(INDEX, 0),
+                "As in [medium]; each takes the place of a table there.",
+            ),
         ],
     },
 ];

@@ -12,12 +12,14 @@ mod validate;
 
 use serde::{Deserialize, Serialize};
 
+use crate::spectrum::Samples;
+
 pub use crate::colour::Convention as ColourSection;
 pub use error::{Place, StudyError};
 pub use sections::{
     CentreLineChoice, ClothSection, DistributionChoice, EstimatorChoice, InterferenceChoice, MeasuredSection,
-    MediumSection, RigSection, ShadeWith, SpectrumSection, SpecularSection, SweepSection, TraceSection, WeaveChoice,
-    YarnSection,
+    MediumSection, NumberOrTable, RigSection, ShadeWith, SpectrumSection, SpecularSection, SweepSection, TraceSection,
+    WeaveChoice, YarnSection,
 };
 
 /// A study. The default is the built-in one.
@@ -71,6 +73,15 @@ impl Study {
     /// The first value that does not fit: key, expected range with unit, found, remedy.
     pub fn validate(&self) -> Result<(), StudyError> {
         validate::study(self)
+    }
+
+    /// The values of a file that `[medium] key` names in place of a number, each in the range of the key. `columns` is what
+    /// the file at `path` holds beside its wavelengths.
+    ///
+    /// # Errors
+    /// Another column than `value`, or the first value out of range with its wavelength; key and file in either.
+    pub fn medium_table(key: &str, path: &str, columns: &[(String, Samples)]) -> Result<Samples, StudyError> {
+        validate::table_of("medium", key, path, columns)
     }
 
     /// The whole study as TOML, defaults included, without comments.

@@ -102,6 +102,7 @@ fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<De
     let found = value.get_ref();
     let fits = match field.kind {
         Kind::Number(_) => is_number(found),
+        Kind::NumberOrTable(_) => is_number(found) || found.is_str(),
         Kind::Numbers(..) => found
             .as_array()
             .is_some_and(|list| list.iter().all(|v| is_number(v.get_ref()))),

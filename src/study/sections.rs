@@ -39,9 +39,9 @@ impl Default for SpectrumSection {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MediumSection {
-    pub host_index: f64,
-    pub host_mu_a_per_mm: f64,
-    pub particle_index: f64,
+    pub host_index: NumberOrTable,
+    pub host_mu_a_per_mm: NumberOrTable,
+    pub particle_index: NumberOrTable,
     pub particle_diameter_nm: f64,
     pub volume_fraction: f64,
     pub kappa_peak: f64,
@@ -52,14 +52,42 @@ pub struct MediumSection {
 impl Default for MediumSection {
     fn default() -> Self {
         Self {
-            host_index: 1.557,
-            host_mu_a_per_mm: 0.0,
-            particle_index: 1.61,
+            host_index: NumberOrTable::Number(1.557),
+            host_mu_a_per_mm: NumberOrTable::Number(0.0),
+            particle_index: NumberOrTable::Number(1.61),
             particle_diameter_nm: 150.0,
             volume_fraction: 0.14,
             kappa_peak: 0.0065,
             dye: "preprint-red".into(),
             interference: InterferenceChoice::Independent,
+        }
+    }
+}
+
+/// A quantity that may depend on wavelength.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum NumberOrTable {
+    /// The same at every wavelength.
+    Number(f64),
+    /// Path to a CSV file with the columns `wavelength_nm,value`, values in the unit of the key.
+    Table(String),
+}
+
+impl NumberOrTable {
+    /// The number, if it is one for all wavelengths.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(value) => Some(*value),
+            Self::Table(_) => None,
+        }
+    }
+
+    /// The path, if it is a table.
+    pub fn table(&self) -> Option<&str> {
+        match self {
+            Self::Number(_) => None,
+            Self::Table(path) => Some(path),
         }
     }
 }
@@ -134,6 +162,9 @@ impl Default for TraceSection {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EstimatorChoice {
+    /// One path for all wavelengths that share a host index.
+    Shared,
+    /// A path for each wavelength.
     Independent,
 }
 

@@ -1,7 +1,8 @@
 use toml::Value;
 
-use super::fields::{self, Field, Kind, SECTIONS};
+use super::fields::{self, Field, Kind, SECTIONS, quoted};
 use super::{CentreLineChoice, RigSection, SpectrumSection, Study, StudyError, TraceSection};
+use crate::spectrum::Samples;
 
 /// Most wavelengths or views a study may ask for.
 const MOST_STEPS: f64 = 10_000.0;
@@ -69,6 +70,11 @@ fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyErro
     let number = |v: &Value| v.as_float().unwrap_or(f64::NAN);
     let fits = match field.kind {
         Kind::Number(range) => range.contains(number(found)),
+        Kind::NumberOrTable(range) => match found.as_str() {
+            // A number in quotes is a slip, not a file.
+            Some(path) => !path.trim().is_empty() && path.trim().parse::<f64>().is_err(),
+            None => range.contains(number(found)),
+        },
         Kind::Numbers(range, at_least) => found
             .as_array()
             .is_some_and(|list| list.len() >= at_least && list.iter().all(|v| range.contains(number(v)))),
@@ -90,6 +96,53 @@ fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyErro
         found.to_string(),
         remedy,
     ))
+}
+
+/// [`Study::medium_table`], for any section.
+pub(super) fn table_of(
+    section: &str,
+    key: &str,
+    path: &str,
+    columns: &[(String, Samples)],
+) -> Result<Samples, StudyError> {
+    let fault = |expected: String, found: String, remedy: String| {
+        Err(value(
+            fields::path(section, key),
+            expected,
+            format!("{found} in {path}"),
+            remedy,
+        ))
+    };
+    let Some(Field {
+        kind: Kind::NumberOrTable(range),
+        unit,
+        meaning,
+        ..
+    }) = fields::find(section, key)
+    else {
+        return fault(
+            "a key that takes a table".into(),
+            "a table".into(),
+            "write a number".into(),
+        );
+    };
+    let samples = match columns {
+        [(title, samples)] if title == "value" => samples,
+        _ => {
+            let titles: Vec<&str> = columns.iter().map(|(title, _)| title.as_str()).collect();
+            let remedy = "keep one column beside wavelength_nm and name it value";
+            return fault("the columns wavelength_nm,value".into(), quoted(&titles), remedy.into());
+        }
+    };
+    let mut points = samples.grid().nm().iter().zip(samples.values());
+    match points.find(|(_, found)| !range.contains(**found)) {
+        None => Ok(samples.clone()),
+        Some((nm, found)) => fault(
+            format!("each value {range} {unit}").trim_end().to_owned(),
+            format!("{found} at {nm} nm"),
+            format!("it is: {}", meaning.trim_end_matches('.')),
+        ),
+    }
 }
 
 fn spectrum(spectrum: &SpectrumSection) -> Result<(), StudyError> {
