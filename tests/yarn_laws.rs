@@ -251,7 +251,7 @@ fn interpolation_weights_are_exact_at_nodes_and_mirror() {
             let view = nalgebra::Vector3::new(seen.x * mirror_tangent, seen.y * mirror_axis, seen.z);
             let mut here = 0.0;
             let mut elsewhere = 0.0;
-            grid.weights(&light, &view, |cell, weight| {
+            grid.weights(&light, &surface.exit().bilinear(&view), |cell, weight| {
                 if cell == grid.cell(tilt, azimuth, exit) {
                     here += weight;
                 } else {

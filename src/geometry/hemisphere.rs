@@ -67,25 +67,59 @@ impl HemisphereGrid {
     /// The four cells between whose centres a direction lies, with bilinear weights that sum to 1. Across the pole the
     /// neighbour is the cell opposite; beyond the outermost centres the value stays what it is there.
     #[inline]
-    pub fn bilinear(&self, d: &Vec3) -> [(usize, f64); 4] {
+    pub fn bilinear(&self, d: &Vec3) -> Bilinear {
         let theta = d.z.clamp(0.0, 1.0).acos() / FRAC_PI_2 * self.theta_cells as f64 - 0.5;
         let phi = d.y.atan2(d.x) / TAU * self.phi_cells as f64 - 0.5;
         let (i, j) = (theta.floor(), phi.floor());
         let (wi, wj) = (theta - i, phi - j);
-        let column = |offset: isize, row_below_pole: bool| {
-            let turn = if row_below_pole { self.phi_cells as isize / 2 } else { 0 };
-            (j as isize + offset + turn).rem_euclid(self.phi_cells as isize) as usize
-        };
+        let n = self.phi_cells;
+        let wrap = |column: usize| if column >= n { column - n } else { column };
+        // The azimuth lies within half a turn of 0.
+        let first = wrap((j as isize + n as isize) as usize);
         let last = self.theta_cells - 1;
         let below_pole = i < 0.0;
         let low = if below_pole { 0 } else { (i as usize).min(last) };
         let high = ((i + 1.0) as usize).min(last);
-        [
-            (low * self.phi_cells + column(0, below_pole), (1.0 - wi) * (1.0 - wj)),
-            (low * self.phi_cells + column(1, below_pole), (1.0 - wi) * wj),
-            (high * self.phi_cells + column(0, false), wi * (1.0 - wj)),
-            (high * self.phi_cells + column(1, false), wi * wj),
-        ]
+        let turn = if below_pole { n / 2 } else { 0 };
+        let places = [
+            (low, wrap(first + turn)),
+            (low, wrap(wrap(first + 1) + turn)),
+            (high, first),
+            (high, wrap(first + 1)),
+        ];
+        let in_tangent = |j: usize| wrap(n + n / 2 - 1 - j);
+        let in_axis = |j: usize| n - 1 - j;
+        let cells = |mirror: &dyn Fn(usize) -> usize| places.map(|(i, j)| i * n + mirror(j));
+        Bilinear {
+            cells: [
+                cells(&|j| j),
+                cells(&in_tangent),
+                cells(&in_axis),
+                cells(&|j| in_axis(in_tangent(j))),
+            ],
+            weights: [(1.0 - wi) * (1.0 - wj), (1.0 - wi) * wj, wi * (1.0 - wj), wi * wj],
+        }
+    }
+}
+
+/// Bilinear interpolation at a direction and, with the same weights, at its mirror images.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bilinear {
+    cells: [[usize; 4]; 4],
+    weights: [f64; 4],
+}
+
+impl Bilinear {
+    /// Cells around the direction with tangent and/or axis reversed, in the order of [`Self::weights`].
+    #[inline]
+    pub fn cells(&self, tangent: bool, axis: bool) -> &[usize; 4] {
+        &self.cells[usize::from(tangent) + 2 * usize::from(axis)]
+    }
+
+    /// Weights of the four cells; they sum to 1.
+    #[inline]
+    pub fn weights(&self) -> &[f64; 4] {
+        &self.weights
     }
 }
 
@@ -110,20 +144,22 @@ mod tests {
             assert_eq!(grid.cell(&d), cell);
             assert_eq!(grid.cell(&Vec3::new(-d.x, d.y, d.z)), grid.mirrored(cell, true, false));
             assert_eq!(grid.cell(&Vec3::new(-d.x, -d.y, d.z)), grid.mirrored(cell, true, true));
-            let here: f64 = grid
-                .bilinear(&d)
-                .iter()
-                .filter(|(c, _)| *c == cell)
-                .map(|(_, w)| w)
-                .sum();
-            assert_relative_eq!(here, 1.0, epsilon = 1e-12);
+            for (tangent, axis) in [(false, false), (true, false), (false, true), (true, true)] {
+                let corners = grid.bilinear(&d);
+                let mirrored = grid.mirrored(cell, tangent, axis);
+                let here: f64 = std::iter::zip(corners.cells(tangent, axis), corners.weights())
+                    .filter(|(c, _)| **c == mirrored)
+                    .map(|(_, w)| w)
+                    .sum();
+                assert_relative_eq!(here, 1.0, epsilon = 1e-12);
+            }
         }
         for d in [
             Vec3::new(0.01, 0.0, 1.0),
             Vec3::new(0.3, -0.9, 0.1),
             Vec3::new(-1.0, 0.2, 1e-6),
         ] {
-            let sum: f64 = grid.bilinear(&d.normalize()).iter().map(|(_, w)| w).sum();
+            let sum: f64 = grid.bilinear(&d.normalize()).weights().iter().sum();
             assert_relative_eq!(sum, 1.0, epsilon = 1e-14);
         }
     }

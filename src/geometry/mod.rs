@@ -4,7 +4,7 @@ mod frame;
 mod hemisphere;
 
 pub use frame::Frame;
-pub use hemisphere::HemisphereGrid;
+pub use hemisphere::{Bilinear, HemisphereGrid};
 
 /// Vector in double precision, mm for positions, unit length for directions.
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -1,6 +1,6 @@
 use super::RigError;
-use crate::cloth::{Cloth, System};
-use crate::geometry::{Frame, Vec3};
+use crate::cloth::{Cloth, Hit};
+use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
 
 /// Smallest cosine to the normal at which a visible point is shaded.
@@ -30,26 +30,29 @@ impl PixelSamples {
 /// What a camera ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interaction {
-    /// Components (tangent, axis, normal) of the direction towards the light; any direction of the sphere.
-    pub omega_in_local: Vec3,
-    /// Components of the direction towards the viewer, always above the surface: where a facet faces the viewer but the
-    /// smooth normal does not, the direction is turned up to the horizon (cosine 1e-6).
+    /// Components (tangent, axis, normal) of the direction towards the viewer, always above the surface: where a facet
+    /// faces the viewer but the smooth normal does not, the direction is turned up to the horizon (cosine 1e-6).
     pub omega_out_local: Vec3,
-    pub frame: Frame,
-    pub system: System,
-    /// No other yarn stands between the point and the light. The yarn's own shadow is part of its radiance factor.
-    pub lit: bool,
+    pub hit: Hit,
 }
 
-/// Sees one unit cell from far away along `omega_out` with light from `omega_in`, and hands every camera ray's
-/// interaction to `visit`, `None` for a ray through a gap. `omega_out` must be above the cloth's plane, `omega_in` may
-/// be below it: cloth lit from behind.
+impl Interaction {
+    /// Components of a direction towards the light; `None` where another yarn stands between. The yarn's own shadow is
+    /// part of its radiance factor, so any direction of the sphere may come back.
+    pub fn light(&self, cloth: &Cloth, omega_in: &Vec3) -> Option<Vec3> {
+        let hit = &self.hit;
+        (!cloth.occluded(&hit.position, omega_in, hit.yarn)).then(|| hit.frame.to_local(omega_in))
+    }
+}
+
+/// Sees one unit cell from far away along `omega_out`, above the cloth's plane, and hands every camera ray's interaction
+/// to `visit`, `None` for a ray through a gap. The light may come from anywhere, also from below the cloth: what a ray
+/// meets does not depend on it.
 ///
 /// Rays are evenly spread over the cell in the cloth's plane, so the plain mean of the radiances that `visit` finds,
 /// gaps included, is the radiance of the cloth; no division by cosθ_v is owed.
 pub fn view_cell(
     cloth: &Cloth,
-    omega_in: &Vec3,
     omega_out: &Vec3,
     samples: &PixelSamples,
     rng: &mut impl Rng,
@@ -64,11 +67,8 @@ pub fn view_cell(
             let y = (row as f64 + rng.random::<f64>()) / samples.along_y as f64 * cell_y;
             let origin = Vec3::new(x, y, 0.0) + above;
             visit(cloth.intersect(&origin, &inwards).map(|hit| Interaction {
-                omega_in_local: hit.frame.to_local(omega_in),
                 omega_out_local: above_horizon(hit.frame.to_local(omega_out)),
-                frame: hit.frame,
-                system: hit.system(),
-                lit: !cloth.occluded(&hit.position, omega_in, hit.yarn),
+                hit,
             }));
         }
     }

@@ -1,11 +1,9 @@
-use super::Plan;
+use super::{CameraBatch, Plan};
 use crate::colour::ColourSystem;
 use crate::compare::{Channels, Geometry};
 use crate::geometry::Vec3;
-use crate::rig::{brightness_factor, omega_in, omega_out, view_cell};
-use crate::transport::{Purpose, Stream};
+use crate::rig::{omega_in, omega_out};
 use crate::yarn::RadianceFactorTable;
-use rayon::prelude::*;
 
 /// The cloth's brightness factors, as the virtual rig measures them.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,25 +17,16 @@ pub struct SpectralCurves {
 }
 
 impl SpectralCurves {
+    /// Shades with every batch of the table in turn, each seen by camera rays of its own.
     pub fn measure(plan: &Plan, table: &RadianceFactorTable, geometries: Vec<Geometry>) -> Self {
-        let per_geometry: Vec<Vec<Vec<f64>>> = geometries
-            .par_iter()
-            .enumerate()
-            .map(|(g, geometry)| {
-                (0..table.batches())
-                    .map(|batch| {
-                        let weights = shading_weights(plan, table, *geometry, g, batch);
-                        let mut beta = table.contract(batch, &weights);
-                        let cos_i = geometry.theta_i_deg.to_radians().cos();
-                        beta.iter_mut().for_each(|b| *b = brightness_factor(*b, cos_i).0);
-                        beta
-                    })
-                    .collect()
-            })
-            .collect();
         let diffuse = (0..table.batches())
-            .map(|batch| per_geometry.iter().map(|g| g[batch].clone()).collect())
+            .map(|batch| CameraBatch::trace(plan, &geometries, batch).shade(table.batch(batch)))
             .collect();
+        Self::new(plan, geometries, diffuse)
+    }
+
+    /// `diffuse` is [batch][geometry][wavelength].
+    pub(crate) fn new(plan: &Plan, geometries: Vec<Geometry>, diffuse: Vec<Vec<Vec<f64>>>) -> Self {
         let gloss = geometries.iter().map(|g| gloss(plan, *g)).collect();
         Self {
             geometries,
@@ -97,36 +86,4 @@ pub(super) fn directions(plan: &Plan, geometry: Geometry) -> (Vec3, Vec3) {
 fn gloss(plan: &Plan, geometry: Geometry) -> f64 {
     let (omega_in, omega_out) = directions(plan, geometry);
     plan.specular.brdf(&omega_in, &omega_out).brightness_factor().0
-}
-
-/// Weight of each cell of the f* table in the cloth's mean radiance per irradiance normal to the beam: L = Σ f* E⊥ V
-/// over camera rays, nothing behind a gap. It knows no wavelength, and no cosine: f* holds it.
-fn shading_weights(
-    plan: &Plan,
-    table: &RadianceFactorTable,
-    geometry: Geometry,
-    stream: usize,
-    batch: usize,
-) -> Vec<f64> {
-    let (omega_in, omega_out) = directions(plan, geometry);
-    let mut rng = Stream::open(plan.study.seed, Purpose::Camera, stream, batch, 0);
-    let mut weights = vec![0.0; table.grid().cells()];
-    let share = 1.0 / plan.pixels.count() as f64;
-    view_cell(
-        &plan.cloth,
-        &omega_in,
-        &omega_out,
-        &plan.pixels,
-        &mut rng,
-        |interaction| {
-            if let Some(seen) = interaction.filter(|seen| seen.lit) {
-                table
-                    .grid()
-                    .weights(&seen.omega_in_local, &seen.omega_out_local, |cell, weight| {
-                        weights[cell] += share * weight;
-                    });
-            }
-        },
-    );
-    weights
 }

@@ -1,10 +1,12 @@
 //! A whole study: every stage in turn, from the study's values to the report's data.
 
+mod camera;
 mod curves;
 mod plan;
 mod report;
 mod simulate;
 
+pub use camera::CameraBatch;
 pub use curves::SpectralCurves;
 pub use plan::{Plan, RunError, medium};
 pub use report::report;

@@ -1,5 +1,5 @@
 use super::curves::{channels, directions};
-use super::{Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows};
+use super::{CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows};
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{
     Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, Inputs, Propagation, Source, model_colour_ratios,
@@ -234,12 +234,18 @@ fn sweep(plan: &Plan, notices: &mut Vec<String>, progress: Progress) -> Result<V
         effort.batches * effort.paths_per_batch,
         effort.batches
     ));
+    let cameras: Vec<CameraBatch> = (0..effort.batches)
+        .map(|batch| CameraBatch::trace(plan, &[NORMAL], batch))
+        .collect();
     let share = 1.0 / media.len().max(1) as f64;
     media
         .iter()
         .map(|medium| {
             let run = trace_direct(&plan.yarn_of(medium)?, plan.factor_grid, effort, &|_| ());
-            let curves = SpectralCurves::measure(plan, &run.table, vec![NORMAL]);
+            let diffuse = std::iter::zip(0.., &cameras)
+                .map(|(batch, camera)| camera.shade(run.table.batch(batch)))
+                .collect();
+            let curves = SpectralCurves::new(plan, vec![NORMAL], diffuse);
             progress(share);
             diffuse_ratios(&plan.colour, &curves, 0)
         })

@@ -8,7 +8,7 @@ mod radiance_factor;
 pub use bssrdf::{Bssrdf, BssrdfRun, trace_bssrdf};
 pub use direct::{DirectRun, trace_direct};
 pub use directions::IncidentGrid;
-pub use radiance_factor::{RadianceFactorGrid, RadianceFactorTable};
+pub use radiance_factor::{FactorWeights, RadianceFactorGrid, RadianceFactorTable, WeightTally};
 
 use crate::geometry::HemisphereGrid;
 use crate::optics::Medium;

@@ -1,6 +1,7 @@
 use super::SurfaceGrid;
-use crate::geometry::Vec3;
+use crate::geometry::{Bilinear, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::iter::zip;
 
 /// Axes of a radiance factor table. By the cylinder's symmetry f*(ω_in, ω_out) depends on the light's tilt out of the
 /// yarn's normal plane, on the azimuth of the surface point from the light, and on ω_out; both mirrors fold the table
@@ -58,38 +59,96 @@ impl RadianceFactorGrid {
         self.tilt(tilt).cos() / (width * self.surface.exit.projected_solid_angle(exit))
     }
 
-    /// Multilinear interpolation at local directions (tangent, axis, normal): calls `add(cell, weight)` so that
-    /// f* = Σ weight · table. ω_in may be anywhere on the sphere. Between tilts, f*/cos ψ is what is linear.
+    /// Multilinear interpolation at a local direction (tangent, axis, normal) towards the light, anywhere on the sphere,
+    /// and one towards the viewer, `seen` on the exit grid: calls `add(cell, weight)` so that f* = Σ weight · table.
+    /// Between tilts, f*/cos ψ is what is linear.
     #[inline]
-    pub fn weights(&self, omega_in: &Vec3, omega_out: &Vec3, mut add: impl FnMut(usize, f64)) {
-        let tilt = omega_in.y.abs().min(1.0).asin();
+    pub fn weights(&self, omega_in: &Vec3, seen: &Bilinear, mut add: impl FnMut(usize, f64)) {
+        let sin_tilt = omega_in.y.abs().min(1.0);
         let axis_reversed = omega_in.y < 0.0;
         // Azimuth of the point as seen from the light.
         let azimuth = -omega_in.x.atan2(omega_in.z);
         let tangent_reversed = azimuth < 0.0;
-        let steps = tilt / FRAC_PI_2 * self.tilts as f64 - 0.5;
+        let steps = sin_tilt.asin() / FRAC_PI_2 * self.tilts as f64 - 0.5;
         let turns = azimuth.abs() / PI * self.azimuths() as f64 - 0.5;
+        let cos_tilt = (1.0 - sin_tilt * sin_tilt).sqrt();
         let (low, wt) = (steps.floor(), steps - steps.floor());
         let (near, wa) = (turns.floor(), turns - turns.floor());
         for (k, weight_k) in [(low, 1.0 - wt), (low + 1.0, wt)] {
             // Below the first node lies its own mirror image.
             let mirror_axis = axis_reversed != (k < 0.0);
             let node = (k.max(0.0) as usize).min(self.tilts - 1);
-            let weight_k = weight_k * tilt.cos() / self.tilt(node).cos();
+            let weight_k = weight_k * cos_tilt / self.tilt(node).cos();
             for (a, weight_a) in [(near, 1.0 - wa), (near + 1.0, wa)] {
                 let beyond = a < 0.0 || a >= self.azimuths() as f64;
                 let mirror_tangent = tangent_reversed != beyond;
                 let cell = (a.max(0.0) as usize).min(self.azimuths() - 1);
-                let seen = Vec3::new(
-                    if mirror_tangent { -omega_out.x } else { omega_out.x },
-                    if mirror_axis { -omega_out.y } else { omega_out.y },
-                    omega_out.z,
-                );
-                for (exit, weight_e) in self.surface.exit.bilinear(&seen) {
-                    add(self.cell(node, cell, exit), weight_k * weight_a * weight_e);
+                let row = self.cell(node, cell, 0);
+                let weight = weight_k * weight_a;
+                for (exit, weight_e) in zip(seen.cells(mirror_tangent, mirror_axis), seen.weights()) {
+                    add(row + exit, weight * weight_e);
                 }
             }
         }
+    }
+}
+
+/// Weights of the cells of a radiance factor table whose weighted sum is a mean of f* over many pairs of directions.
+/// They know no wavelength, no medium, and no value of f*: any table on the same grid may be summed with them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FactorWeights {
+    /// Ascending.
+    cells: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+impl FactorWeights {
+    /// Σ weight · f* at every wavelength, in the order of the cells: `table` is one batch's, wavelength fastest.
+    pub fn contract(&self, table: &[f64], wavelengths: usize) -> Vec<f64> {
+        let mut sum = vec![0.0; wavelengths];
+        for (&cell, weight) in zip(&self.cells, &self.weights) {
+            let row = &table[cell as usize * wavelengths..][..wavelengths];
+            sum.iter_mut().zip(row).for_each(|(s, f)| *s += weight * f);
+        }
+        sum
+    }
+}
+
+/// Adds weights up cell by cell.
+pub struct WeightTally {
+    weights: Vec<f64>,
+    /// A bit for each cell that was added to.
+    touched: Vec<u64>,
+}
+
+impl WeightTally {
+    pub fn new(grid: &RadianceFactorGrid) -> Self {
+        Self {
+            weights: vec![0.0; grid.cells()],
+            touched: vec![0; grid.cells().div_ceil(64)],
+        }
+    }
+
+    #[inline]
+    pub fn add(&mut self, cell: usize, weight: f64) {
+        self.weights[cell] += weight;
+        self.touched[cell / 64] |= 1 << (cell % 64);
+    }
+
+    /// The sums times `factor`; leaves the tally empty.
+    pub fn drain(&mut self, factor: f64) -> FactorWeights {
+        let count = self.touched.iter().map(|bits| bits.count_ones() as usize).sum();
+        let mut cells = Vec::with_capacity(count);
+        let mut weights = Vec::with_capacity(count);
+        for (place, bits) in self.touched.iter_mut().enumerate() {
+            while *bits != 0 {
+                let cell = place * 64 + bits.trailing_zeros() as usize;
+                *bits &= *bits - 1;
+                cells.push(cell as u32);
+                weights.push(factor * std::mem::take(&mut self.weights[cell]));
+            }
+        }
+        FactorWeights { cells, weights }
     }
 }
 
@@ -138,15 +197,9 @@ impl RadianceFactorTable {
         (mean, (square / (n * (n - 1.0))).sqrt())
     }
 
-    /// Σ weight · f* of one batch at every wavelength.
-    pub fn contract(&self, batch: usize, weights: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; self.wavelengths];
-        for (&weight, row) in weights.iter().zip(self.batches[batch].chunks_exact(self.wavelengths)) {
-            if weight != 0.0 {
-                sum.iter_mut().zip(row).for_each(|(s, f)| *s += weight * f);
-            }
-        }
-        sum
+    /// Values of one batch, wavelength fastest.
+    pub fn batch(&self, batch: usize) -> &[f64] {
+        &self.batches[batch]
     }
 
     /// Fraction of the beam's flux the table says is scattered, one batch: ∫∫ f* cosθ dω dB over the flux.
