@@ -1,8 +1,8 @@
 use super::{Failure, Options, Terminal, study};
 use serde::Serialize;
 use specval::report::{check_writable, write_whole};
-use specval::run::{Plan, SpectralCurves};
-use specval::yarn::trace_direct;
+use specval::run::{self, Plan};
+use specval::transport::Estimate;
 use std::path::PathBuf;
 
 /// Measures the woven model with the virtual rig: spectral brightness factors, gloss included, not normalised.
@@ -31,24 +31,20 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let plan = Plan::new(study::load(arguments.study.as_deref(), options)?)?;
     check_writable(&arguments.out)?;
     let wavelengths = plan.grid.len();
-    let effort = plan.direct_effort;
-    let total = (effort.batches * effort.paths_per_batch * plan.factor_grid.tilts() * wavelengths) as f64;
-    let tracing = terminal.progress("tracing the yarn");
-    let run = trace_direct(&plan.yarn, plan.factor_grid, effort, &|paths| {
-        tracing.advance(paths as f64 / total)
-    });
+    let tracing = terminal.progress("tracing and measuring");
+    let simulation = run::simulate(&plan, plan.geometries(), &|share| tracing.advance(share))?;
     tracing.finish();
-    let curves = SpectralCurves::measure(&plan, &run.table, plan.geometries());
+    let curves = simulation.curves;
     let mut rows = Vec::with_capacity(curves.geometries.len() * wavelengths);
     for (g, geometry) in curves.geometries.iter().enumerate() {
         for (w, &wavelength_nm) in plan.grid.nm().iter().enumerate() {
-            let (beta, beta_se) = curves.estimate(g, w);
+            let Estimate { value, se } = curves.estimate(g, w);
             rows.push(Row {
                 theta_i_deg: geometry.theta_i_deg,
                 theta_v_deg: geometry.theta_v_deg,
                 wavelength_nm,
-                beta,
-                beta_se,
+                beta: value,
+                beta_se: se,
             });
         }
     }

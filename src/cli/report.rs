@@ -35,7 +35,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let plan = Plan::new(study)?;
     let folder = OutputFolder::prepare(&arguments.out)?;
     let tracing = terminal.progress("tracing the yarn");
-    let simulation = run::simulate(&plan, &|share| tracing.advance(share))?;
+    let simulation = run::simulate(&plan, run::report_geometries(&plan), &|share| tracing.advance(share))?;
     tracing.finish();
     let measuring = terminal.progress("measuring and sweeping");
     let command = std::env::args().collect();

@@ -1,7 +1,8 @@
 use super::{Failure, Options, Terminal, study};
 use serde::Serialize;
 use specval::report::{EnergyRow, check_writable, write_whole};
-use specval::run::{self, Plan, Simulation, energy_rows};
+use specval::run::{self, Plan, YarnSums, energy_rows};
+use specval::yarn::{BssrdfGrid, LengthBins};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -56,11 +57,13 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let plan = Plan::new(study::load(arguments.study.as_deref(), options)?)?;
     check_writable(&arguments.out)?;
     let tracing = terminal.progress("tracing the yarn");
-    let simulation = run::simulate(&plan, &|share| tracing.advance(share));
+    let grid = plan.bssrdf_grid()?;
+    let lengths = LengthBins::new(plan.yarn.cylinder.radius_mm(), 6)?;
+    let sums = run::trace_yarn(&plan, &grid, &lengths, &|share| tracing.advance(share));
     tracing.finish();
-    let simulation = simulation?;
-    let energy = energy_rows(&plan, &simulation.bssrdf);
-    write_whole(&arguments.out, &artefact(&plan, &simulation, &energy)?)?;
+    let sums = sums?;
+    let energy = energy_rows(&plan, &sums.ledgers());
+    write_whole(&arguments.out, &artefact(&plan, &grid, &sums, &energy)?)?;
     let ledger = ledger(&energy);
     terminal.result(&ledger, |ledger| {
         let mut text = format!("{:<10} {:>12} {:>12} {:>12}\n", "fraction", "lowest", "mean", "highest");
@@ -97,60 +100,49 @@ fn ledger(energy: &[EnergyRow]) -> Vec<Ledger> {
         .collect()
 }
 
-fn artefact(plan: &Plan, simulation: &Simulation, energy: &[EnergyRow]) -> Result<Vec<u8>, Failure> {
-    let bssrdf = &simulation.bssrdf.bssrdf;
-    let factor = |name, table: &specval::yarn::RadianceFactorTable| {
-        let grid = table.grid();
-        Array {
-            name,
-            unit: "1/sr",
-            axes: "tilt, azimuth from the light 0..180 deg, exit cell (theta, phi), wavelength; mean and standard error",
-            shape: vec![
-                grid.tilts(),
-                grid.azimuths(),
-                grid.surface().exit().cells(),
-                plan.grid.len(),
-                2,
-            ],
-        }
+fn artefact(plan: &Plan, bssrdf: &BssrdfGrid, sums: &YarnSums, energy: &[EnergyRow]) -> Result<Vec<u8>, Failure> {
+    let grid = &plan.factor_grid;
+    let factor = |name| Array {
+        name,
+        unit: "1/sr",
+        axes: "tilt, azimuth from the light 0..180 deg, exit cell (theta, phi), wavelength; mean and standard error",
+        shape: vec![
+            grid.tilts(),
+            grid.azimuths(),
+            grid.surface().exit().cells(),
+            plan.grid.len(),
+            2,
+        ],
     };
-    let direct = &simulation.direct.table;
-    let summed = &simulation.bssrdf.table;
     let header = Header {
         version: env!("CARGO_PKG_VERSION"),
         study: &plan.study,
         inputs: &plan.inputs,
         wavelength_nm: plan.grid.nm(),
-        tilt_deg: (0..plan.factor_grid.tilts())
-            .map(|k| plan.factor_grid.tilt(k).to_degrees())
-            .collect(),
+        tilt_deg: (0..grid.tilts()).map(|k| grid.tilt(k).to_degrees()).collect(),
         z_edges_mm: bssrdf.z_edges_mm(),
         energy,
         arrays: vec![
-            factor("radiance_factor_direct", direct),
-            factor("radiance_factor_bssrdf", summed),
+            factor("radiance_factor_direct"),
+            factor("radiance_factor_bssrdf"),
             Array {
                 name: "bssrdf_fraction",
                 unit: "fraction of the flux incident on the patch",
-                axes: "wavelength, traced direction, exit azimuth, z (overflow first and last), exit cell (theta, phi)",
-                shape: bssrdf.fractions().shape().to_vec(),
+                axes: "traced direction, exit azimuth, z (overflow first and last), exit cell (theta, phi), wavelength; \
+                       mean and standard error",
+                shape: bssrdf.shape().into_iter().chain([2]).collect(),
             },
         ],
     };
     let mut bytes = MAGIC.to_vec();
     serde_json::to_writer(&mut bytes, &header)?;
     bytes.push(b'\n');
-    for table in [direct, summed] {
-        for cell in 0..table.grid().cells() {
-            for wavelength in 0..plan.grid.len() {
-                let (mean, se) = table.estimate(cell, wavelength);
-                bytes.write_all(&mean.to_le_bytes())?;
-                bytes.write_all(&se.to_le_bytes())?;
-            }
+    for table in [&sums.direct, &sums.summed, &sums.bssrdf] {
+        for i in 0..table.sum.len() {
+            let estimate = table.estimate(i);
+            bytes.write_all(&estimate.value.to_le_bytes())?;
+            bytes.write_all(&estimate.se.to_le_bytes())?;
         }
-    }
-    for value in bssrdf.fractions() {
-        bytes.write_all(&value.to_le_bytes())?;
     }
     Ok(bytes)
 }

@@ -11,20 +11,17 @@ pub struct Interface {
 
 /// `cos_i` in 0..=1 is the cosine of the angle of incidence, `eta` = n_t/n_i the index beyond the interface relative to
 /// the one on the side the light comes from.
-#[inline]
+#[inline(always)]
 pub fn interface(cos_i: f64, eta: f64) -> Interface {
     let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
-    if sin2_t >= 1.0 {
-        return Interface {
-            reflectance: 1.0,
-            cos_t: 0.0,
-        };
-    }
-    let cos_t = (1.0 - sin2_t).sqrt();
-    let s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    let p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    let cos_t = (1.0 - sin2_t).max(0.0).sqrt();
+    // Both amplitudes over one denominator: a division less, and no branch, so that loops over lanes stay vectors.
+    let (s, s_sum) = (cos_i - eta * cos_t, cos_i + eta * cos_t);
+    let (p, p_sum) = (eta * cos_i - cos_t, eta * cos_i + cos_t);
+    let (a, b, c) = (s * p_sum, p * s_sum, s_sum * p_sum);
+    let partial = 0.5 * (a * a + b * b) / (c * c);
     Interface {
-        reflectance: 0.5 * (s * s + p * p),
+        reflectance: if sin2_t < 1.0 { partial } else { 1.0 },
         cos_t,
     }
 }

@@ -1,9 +1,9 @@
-use super::{CameraBatch, Plan};
+use super::Plan;
 use crate::colour::ColourSystem;
 use crate::compare::{Channels, Geometry};
 use crate::geometry::Vec3;
 use crate::rig::{omega_in, omega_out};
-use crate::yarn::RadianceFactorTable;
+use crate::transport::Estimate;
 
 /// The cloth's brightness factors, as the virtual rig measures them.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,14 +17,6 @@ pub struct SpectralCurves {
 }
 
 impl SpectralCurves {
-    /// Shades with every batch of the table in turn, each seen by camera rays of its own.
-    pub fn measure(plan: &Plan, table: &RadianceFactorTable, geometries: Vec<Geometry>) -> Self {
-        let diffuse = (0..table.batches())
-            .map(|batch| CameraBatch::trace(plan, &geometries, batch).shade(table.batch(batch)))
-            .collect();
-        Self::new(plan, geometries, diffuse)
-    }
-
     /// `diffuse` is [batch][geometry][wavelength].
     pub(crate) fn new(plan: &Plan, geometries: Vec<Geometry>, diffuse: Vec<Vec<Vec<f64>>>) -> Self {
         let gloss = geometries.iter().map(|g| gloss(plan, *g)).collect();
@@ -54,15 +46,12 @@ impl SpectralCurves {
     }
 
     /// Mean and standard error of the total β at a geometry and wavelength.
-    pub fn estimate(&self, geometry: usize, wavelength: usize) -> (f64, f64) {
-        let n = self.diffuse.len() as f64;
-        let mean = self.diffuse.iter().map(|b| b[geometry][wavelength]).sum::<f64>() / n;
-        let square = self
-            .diffuse
-            .iter()
-            .map(|b| (b[geometry][wavelength] - mean).powi(2))
-            .sum::<f64>();
-        (mean + self.gloss[geometry], (square / (n * (n - 1.0))).sqrt())
+    pub fn estimate(&self, geometry: usize, wavelength: usize) -> Estimate {
+        let diffuse = Estimate::from_batches(self.diffuse.iter().map(|b| b[geometry][wavelength]));
+        Estimate {
+            value: diffuse.value + self.gloss[geometry],
+            se: diffuse.se,
+        }
     }
 }
 

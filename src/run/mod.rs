@@ -5,12 +5,14 @@ mod curves;
 mod plan;
 mod report;
 mod simulate;
+mod trace;
 
 pub use camera::CameraBatch;
 pub use curves::SpectralCurves;
 pub use plan::{Plan, RunError, medium};
-pub use report::report;
-pub use simulate::{Simulation, energy_rows, simulate};
+pub use report::{report, report_geometries};
+pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};
+pub use trace::{YarnBatch, YarnSums, YarnTracer, trace_yarn};
 
 /// Told of finished work, in shares of the whole that sum to 1.
 pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);

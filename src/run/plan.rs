@@ -8,11 +8,11 @@ use crate::sample::{Sample, SampleError};
 use crate::shading::{Distribution, ShadingError, Specular};
 use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_csv_spectra, read_csv_spectrum, tables};
 use crate::study::{
-    CentreLineChoice, DistributionChoice, InterferenceChoice, MediumSection, NumberOrTable, Study, StudyError,
+    CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable, Study, StudyError,
     WeaveChoice,
 };
 use crate::transport::{Cylinder, Roulette};
-use crate::yarn::{Effort, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn, YarnError};
+use crate::yarn::{BssrdfGrid, Effort, Estimator, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn, YarnError};
 use std::path::Path;
 
 /// Why a study cannot be run.
@@ -119,6 +119,12 @@ impl Plan {
         })
     }
 
+    /// Axes of the stored BSSRDF.
+    pub fn bssrdf_grid(&self) -> Result<BssrdfGrid, RunError> {
+        let z_cells = self.study.trace.z_cells as usize;
+        Ok(BssrdfGrid::new(&self.yarn, self.incident, self.bssrdf_surface, z_cells)?)
+    }
+
     /// The same yarn of another medium.
     pub fn yarn_of(&self, medium: &MediumSection) -> Result<Yarn, RunError> {
         yarn(
@@ -162,6 +168,10 @@ fn yarn(
         cylinder: radius,
         medium: medium_of(medium, spectra, grid)?,
         roulette,
+        estimator: match study.trace.estimator {
+            EstimatorChoice::Shared => Estimator::Shared,
+            EstimatorChoice::Independent => Estimator::Independent,
+        },
     })
 }
 

@@ -8,7 +8,7 @@ use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Nam
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
 use crate::shading::Classical;
 use crate::study::{MediumSection, NumberOrTable};
-use crate::yarn::{Effort, trace_direct};
+use crate::yarn::{DirectTracer, Effort};
 
 /// Least effort of a point of the sweep: batches, and the share of the study's paths.
 const SWEEP_BATCHES: usize = 4;
@@ -20,6 +20,19 @@ const NORMAL: Geometry = Geometry {
     theta_v_deg: 0.0,
 };
 
+/// What a report measures: the rig's geometries, and normal incidence and view where the rig lacks it.
+pub fn report_geometries(plan: &Plan) -> Vec<Geometry> {
+    let mut geometries = plan.geometries();
+    if !geometries.contains(&NORMAL) {
+        geometries.push(NORMAL);
+    }
+    geometries
+}
+
+fn normal_place(geometries: &[Geometry]) -> usize {
+    geometries.iter().position(|g| *g == NORMAL).unwrap_or(geometries.len())
+}
+
 /// Shades, measures, compares: everything after the tracing. `command` goes into the provenance.
 pub fn report(
     plan: &Plan,
@@ -30,14 +43,19 @@ pub fn report(
 ) -> Result<ReportData, RunError> {
     let mut notices = notices;
     let mut fallbacks = Vec::new();
-    let mut geometries = plan.geometries();
-    let normal = geometries.iter().position(|g| *g == NORMAL).unwrap_or_else(|| {
+    let curves = &simulation.curves;
+    let normal = normal_place(&curves.geometries);
+    if normal == plan.geometries().len() {
         fallbacks.push("the rig has no normal incidence and view; it was added for normalisation and Table 1".into());
-        geometries.push(NORMAL);
-        geometries.len() - 1
-    });
-    let measured = readings(plan, &geometries, &mut notices)?;
-    let curves = SpectralCurves::measure(plan, simulation.table(plan), geometries);
+    }
+    if plan.yarn.estimator_in_use() != plan.yarn.estimator {
+        fallbacks.push(
+            "the host is dispersive: wavelengths part at the surface and cannot share paths; the independent estimator was \
+             used"
+                .into(),
+        );
+    }
+    let measured = readings(plan, &curves.geometries, &mut notices)?;
     let model = curves.channels(&plan.colour, true);
     let white = channels(&plan.colour, &vec![1.0; plan.grid.len()]);
     let comparison = match measured[normal] {
@@ -67,7 +85,7 @@ pub fn report(
         }
     };
     let sweep = sweep(plan, &mut notices, progress)?;
-    let table1 = table1(&plan.colour, &curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
+    let table1 = table1(&plan.colour, curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
     let mut conventions = Vec::new();
     for convention in Convention::all() {
         let colour = ColourSystem::new(&plan.grid, convention)?;
@@ -75,7 +93,7 @@ pub fn report(
             convention: convention.to_string(),
             rows: vec![Table1Row::estimated(
                 Table1Name::Model,
-                &diffuse_ratios(&colour, &curves, normal)?,
+                &diffuse_ratios(&colour, curves, normal)?,
             )],
         });
     }
@@ -94,11 +112,11 @@ pub fn report(
         colour_convention: plan.study.colour.to_string(),
         curves: match comparison {
             Some(comparison) => comparison.curves.clone(),
-            None => model_curves(&curves, &model, &measured)?,
+            None => model_curves(curves, &model, &measured)?,
         },
         table1,
         conventions,
-        energy: energy_rows(plan, &simulation.bssrdf),
+        energy: energy_rows(plan, &simulation.ledgers),
         normalisation: comparison.map(|c| c.normalisation),
         rmse: comparison.map(|c| c.rmse.clone()).unwrap_or_default(),
         peaks: comparison.map(|c| c.peaks.clone()).unwrap_or_default(),
@@ -229,7 +247,7 @@ fn sweep(plan: &Plan, notices: &mut Vec<String>, progress: Progress) -> Result<V
         (plan.study.trace.paths_direct / SWEEP_PATHS_SHARE).max(1),
     )?;
     notices.push(format!(
-        "sweep: {} media, each with {} paths a tilt and wavelength in {} batches",
+        "sweep: {} media, each with {} paths a tilt in {} batches",
         media.len(),
         effort.batches * effort.paths_per_batch,
         effort.batches
@@ -241,9 +259,10 @@ fn sweep(plan: &Plan, notices: &mut Vec<String>, progress: Progress) -> Result<V
     media
         .iter()
         .map(|medium| {
-            let run = trace_direct(&plan.yarn_of(medium)?, plan.factor_grid, effort, &|_| ());
+            let yarn = plan.yarn_of(medium)?;
+            let tracer = DirectTracer::new(&yarn, plan.factor_grid, effort, None)?;
             let diffuse = std::iter::zip(0.., &cameras)
-                .map(|(batch, camera)| camera.shade(run.table.batch(batch)))
+                .map(|(batch, camera)| camera.shade(&tracer.batch(batch).radiance_factor))
                 .collect();
             let curves = SpectralCurves::new(plan, vec![NORMAL], diffuse);
             progress(share);

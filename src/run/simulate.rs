@@ -1,53 +1,115 @@
-use super::{Plan, Progress, RunError};
+use super::{CameraBatch, Plan, Progress, RunError, SpectralCurves};
+use crate::compare::Geometry;
 use crate::report::EnergyRow;
 use crate::study::ShadeWith;
-use crate::yarn::{BssrdfRun, DirectRun, RadianceFactorTable, trace_bssrdf, trace_direct};
+use crate::transport::{Ledger, LedgerEntry};
+use crate::yarn::{BssrdfGrid, DirectTracer, EnergyTracer, PatchTracer};
+use rayon::prelude::*;
 
-/// The yarn, traced.
-#[derive(Debug)]
-pub struct Simulation {
-    pub bssrdf: BssrdfRun,
-    pub direct: DirectRun,
+/// Batches under way at once; each holds a table of f*.
+const ROUND: usize = 4;
+
+/// What one batch of light through yarn, cloth and rig gives. Nothing in it grows with the number of paths.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    /// Energy ledgers: traced incident direction × wavelength, wavelength fastest.
+    pub ledgers: Vec<Ledger>,
+    /// Diffuse β at [geometry][wavelength].
+    pub diffuse: Vec<Vec<f64>>,
 }
 
-impl Simulation {
-    /// The f* table the study shades with.
-    pub fn table(&self, plan: &Plan) -> &RadianceFactorTable {
-        match plan.study.trace.shade_with {
-            ShadeWith::Direct => &self.direct.table,
-            ShadeWith::Bssrdf => &self.bssrdf.table,
-        }
+/// Makes batches: each traces the yarn and shades the cloth with what it found.
+pub struct Simulator<'a> {
+    plan: &'a Plan,
+    geometries: Vec<Geometry>,
+    energy: EnergyTracer<'a>,
+    shading: Shading<'a>,
+}
+
+/// The road to the f* that the study shades with.
+enum Shading<'a> {
+    Direct(DirectTracer<'a>),
+    Bssrdf(BssrdfGrid),
+}
+
+impl<'a> Simulator<'a> {
+    pub fn new(plan: &'a Plan, geometries: Vec<Geometry>) -> Result<Self, RunError> {
+        Ok(Self {
+            plan,
+            geometries,
+            energy: EnergyTracer::new(&plan.yarn, plan.incident, plan.bssrdf_effort, None)?,
+            shading: match plan.study.trace.shade_with {
+                ShadeWith::Direct => Shading::Direct(DirectTracer::new(
+                    &plan.yarn,
+                    plan.factor_grid,
+                    plan.direct_effort,
+                    None,
+                )?),
+                ShadeWith::Bssrdf => Shading::Bssrdf(plan.bssrdf_grid()?),
+            },
+        })
+    }
+
+    /// Batch number `batch`, the same whenever and wherever it is made.
+    pub fn batch(&self, batch: usize) -> Result<Batch, RunError> {
+        let plan = self.plan;
+        let ledgers = self.energy.batch(batch).ledgers;
+        let table = match &self.shading {
+            Shading::Direct(tracer) => tracer.batch(batch).radiance_factor,
+            Shading::Bssrdf(grid) => {
+                PatchTracer::new(&plan.yarn, grid, plan.factor_grid, plan.bssrdf_effort)?
+                    .batch(batch)
+                    .radiance_factor
+            }
+        };
+        let diffuse = CameraBatch::trace(plan, &self.geometries, batch).shade(&table);
+        Ok(Batch { ledgers, diffuse })
     }
 }
 
-/// Traces the yarn from a patch and under parallel beams.
-pub fn simulate(plan: &Plan, progress: Progress) -> Result<Simulation, RunError> {
-    let wavelengths = plan.grid.len();
-    let paths = |effort: &crate::yarn::Effort, directions: usize| {
-        (effort.batches * effort.paths_per_batch * directions * wavelengths) as f64
-    };
-    let total =
-        paths(&plan.bssrdf_effort, plan.incident.traced()) + paths(&plan.direct_effort, plan.factor_grid.tilts());
-    let done = |paths: u64| progress(paths as f64 / total);
-    let direct = trace_direct(&plan.yarn, plan.factor_grid, plan.direct_effort, &done);
-    let bssrdf = trace_bssrdf(
-        &plan.yarn,
-        plan.incident,
-        plan.bssrdf_surface,
-        plan.factor_grid.tilts(),
-        plan.study.trace.z_cells as usize,
-        plan.bssrdf_effort,
-        &done,
-    )?;
-    Ok(Simulation { bssrdf, direct })
+/// All batches of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulation {
+    pub curves: SpectralCurves,
+    /// [batch][traced incident direction × wavelength].
+    pub ledgers: Vec<Vec<Ledger>>,
 }
 
-/// The ledger of every wavelength and incident direction, mirrored ones included.
-pub fn energy_rows(plan: &Plan, run: &BssrdfRun) -> Vec<EnergyRow> {
+/// Traces, shades and measures at the geometries.
+pub fn simulate(plan: &Plan, geometries: Vec<Geometry>, progress: Progress) -> Result<Simulation, RunError> {
+    let simulator = Simulator::new(plan, geometries.clone())?;
+    let batches = plan.direct_effort.batches;
+    let mut done = Vec::with_capacity(batches);
+    for round in (0..batches).step_by(ROUND) {
+        let made: Vec<Result<Batch, RunError>> = (round..(round + ROUND).min(batches))
+            .into_par_iter()
+            .map(|batch| {
+                let made = simulator.batch(batch);
+                progress(1.0 / batches as f64);
+                made
+            })
+            .collect();
+        for batch in made {
+            done.push(batch?);
+        }
+    }
+    let (ledgers, diffuse) = done.into_iter().map(|b| (b.ledgers, b.diffuse)).unzip();
+    Ok(Simulation {
+        curves: SpectralCurves::new(plan, geometries, diffuse),
+        ledgers,
+    })
+}
+
+/// The ledger of every wavelength and incident direction, mirrored ones included, from that of every batch.
+pub fn energy_rows(plan: &Plan, batches: &[Vec<Ledger>]) -> Vec<EnergyRow> {
+    let wavelengths = plan.grid.len();
+    let entries: Vec<LedgerEntry> = (0..plan.incident.traced() * wavelengths)
+        .map(|i| LedgerEntry::from_batches(&batches.iter().map(|batch| batch[i]).collect::<Vec<_>>()))
+        .collect();
     let mut rows = Vec::with_capacity(plan.grid.len() * plan.incident.len());
     for (wavelength, &wavelength_nm) in plan.grid.nm().iter().enumerate() {
         for direction in 0..plan.incident.len() {
-            let entry = &run.ledgers[wavelength][plan.incident.representative(direction).0];
+            let entry = &entries[plan.incident.representative(direction).0 * wavelengths + wavelength];
             let [theta_in_deg, phi_in_deg] = plan.incident.angles_deg(direction);
             let [
                 reflected_se,

@@ -1,3 +1,5 @@
+use super::Estimate;
+
 /// Where the light of one incident direction and wavelength went, as fractions of the incident flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
@@ -57,22 +59,19 @@ pub struct LedgerEntry {
 }
 
 impl LedgerEntry {
-    /// Mean and standard error of the mean of equally weighted batches, summed in their order.
+    /// Mean and standard error of the mean of equally weighted batches.
     pub fn from_batches(batches: &[Ledger]) -> Self {
-        let n = batches.len() as f64;
-        let mut sum = Ledger::default();
-        batches.iter().for_each(|b| sum.add(b));
-        let mean = sum.scaled(1.0 / n);
-        let centre = mean.fields();
-        let mut se = [0.0; 6];
-        if batches.len() > 1 {
-            for batch in batches {
-                for (s, (x, m)) in se.iter_mut().zip(batch.fields().iter().zip(&centre)) {
-                    *s += (x - m) * (x - m);
-                }
-            }
-            se.iter_mut().for_each(|s| *s = (*s / (n * (n - 1.0))).sqrt());
+        let fields: Vec<[f64; 6]> = batches.iter().map(Ledger::fields).collect();
+        let of: [Estimate; 6] = std::array::from_fn(|k| Estimate::from_batches(fields.iter().map(|f| f[k])));
+        Self {
+            mean: Ledger {
+                reflected: of[0].value,
+                ballistic: of[1].value,
+                scattered: of[2].value,
+                absorbed: of[3].value,
+                roulette: of[4].value,
+            },
+            se: of.map(|estimate| estimate.se),
         }
-        Self { mean, se }
     }
 }

@@ -1,14 +1,20 @@
 //! Monte Carlo transport of light through one homogeneous body of scattering medium with a smooth dielectric surface.
 
+mod interior;
+mod lane_math;
+mod lattice;
 mod ledger;
 mod shape;
+mod statistics;
 mod stream;
 mod walk;
 
+pub use interior::{Coefficients, Interior};
 pub use ledger::{Ledger, LedgerEntry};
-pub use shape::{Boundary, Cylinder, Shape, Slab};
+pub use shape::{Cylinder, Shape, Slab};
+pub use statistics::{BatchSums, Estimate};
 pub use stream::{Purpose, Stream};
-pub use walk::{Exit, Interior, Roulette, Walk};
+pub use walk::{ENTRY_COORDINATES, Entry, Exit, Roulette, Walk};
 
 /// What is wrong with an input of the transport.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,21 +1,16 @@
 use super::TransportError;
 use crate::geometry::{Frame, Vec3};
 
-/// Where a ray inside a body meets its surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Boundary {
-    /// Along the ray, mm; infinite if the ray never leaves.
-    pub distance: f64,
-    /// On the surface.
-    pub position: Vec3,
-    /// Outward unit normal.
-    pub normal: Vec3,
-}
-
-/// A body the walk can run in.
+/// A body the walk can run in. Points and directions are (x, y, z) components; both functions run over many paths side
+/// by side, so the shapes here have no branch in them.
 pub trait Shape: Sync {
-    /// The surface ahead of a point inside (or on the surface, looking in) along a unit direction.
-    fn boundary(&self, position: &Vec3, direction: &Vec3) -> Boundary;
+    /// Distance to the surface ahead of a point inside (or on the surface, looking in) along a unit direction, mm;
+    /// infinite if the ray never leaves.
+    fn distance(&self, position: [f64; 3], direction: [f64; 3]) -> f64;
+
+    /// Position on the surface, and outward unit normal there, of a point that [`Shape::distance`] along `direction` led to
+    /// within rounding.
+    fn surface(&self, position: [f64; 3], direction: [f64; 3]) -> [[f64; 3]; 2];
 }
 
 /// Infinite circular cylinder about the y axis. A surface point at azimuth φ lies at (R sin φ, y, R cos φ), so that
@@ -61,37 +56,24 @@ impl Cylinder {
 }
 
 impl Shape for Cylinder {
-    #[inline]
-    fn boundary(&self, p: &Vec3, d: &Vec3) -> Boundary {
-        let a = d.x * d.x + d.z * d.z;
-        let b = p.x * d.x + p.z * d.z;
-        let c = p.x * p.x + p.z * p.z - self.radius_mm * self.radius_mm;
+    #[inline(always)]
+    fn distance(&self, [px, _, pz]: [f64; 3], [dx, _, dz]: [f64; 3]) -> f64 {
+        let a = dx * dx + dz * dz;
+        let b = px * dx + pz * dz;
+        let c = px * px + pz * pz - self.radius_mm * self.radius_mm;
         let root = (b * b - a * c).max(0.0).sqrt();
         // The farther root, in the form that does not cancel.
-        let distance = if b > 0.0 {
-            -c.min(0.0) / (b + root)
-        } else {
-            (root - b) / a
-        };
-        if !distance.is_finite() {
-            return Boundary {
-                distance: f64::INFINITY,
-                position: *p,
-                normal: Vec3::z(),
-            };
-        }
-        let (x, z) = (p.x + distance * d.x, p.z + distance * d.z);
+        let numerator = if b > 0.0 { (-c).max(0.0) } else { root - b };
+        let denominator = if b > 0.0 { b + root } else { a };
+        // A ray along the axis to rounding never leaves.
+        if a > 1e-30 { numerator / denominator } else { f64::INFINITY }
+    }
+
+    #[inline(always)]
+    fn surface(&self, [x, y, z]: [f64; 3], _: [f64; 3]) -> [[f64; 3]; 2] {
         let inverse = 1.0 / (x * x + z * z).sqrt();
-        let normal = Vec3::new(x * inverse, 0.0, z * inverse);
-        Boundary {
-            distance,
-            position: Vec3::new(
-                normal.x * self.radius_mm,
-                p.y + distance * d.y,
-                normal.z * self.radius_mm,
-            ),
-            normal,
-        }
+        let normal = [x * inverse, 0.0, z * inverse];
+        [[normal[0] * self.radius_mm, y, normal[2] * self.radius_mm], normal]
     }
 }
 
@@ -118,26 +100,17 @@ impl Slab {
 }
 
 impl Shape for Slab {
-    #[inline]
-    fn boundary(&self, p: &Vec3, d: &Vec3) -> Boundary {
-        let (distance, z, normal) = if d.z > 0.0 {
-            (-p.z / d.z, 0.0, Vec3::z())
-        } else {
-            ((self.thickness_mm + p.z) / -d.z, -self.thickness_mm, -Vec3::z())
-        };
-        if !distance.is_finite() {
-            return Boundary {
-                distance: f64::INFINITY,
-                position: *p,
-                normal,
-            };
-        }
-        let distance = distance.max(0.0);
-        Boundary {
-            distance,
-            position: Vec3::new(p.x + distance * d.x, p.y + distance * d.y, z),
-            normal,
-        }
+    #[inline(always)]
+    fn distance(&self, [_, _, z]: [f64; 3], [_, _, dz]: [f64; 3]) -> f64 {
+        let left = if dz > 0.0 { -z } else { self.thickness_mm + z };
+        if dz.abs() > 1e-300 { left.max(0.0) / dz.abs() } else { f64::INFINITY }
+    }
+
+    #[inline(always)]
+    fn surface(&self, [x, y, _]: [f64; 3], [_, _, dz]: [f64; 3]) -> [[f64; 3]; 2] {
+        let up = dz > 0.0;
+        let z = if up { 0.0 } else { -self.thickness_mm };
+        [[x, y, z], [0.0, 0.0, if up { 1.0 } else { -1.0 }]]
     }
 }
 
@@ -152,30 +125,37 @@ mod tests {
         let entry = cylinder.at(0.3);
         let frame = cylinder.frame(&entry);
         let d = frame.to_world(&Vec3::new(0.2, 0.3, -1.0).normalize());
-        let hit = cylinder.boundary(&entry, &d);
+        let distance = cylinder.distance(entry.into(), d.into());
         let in_plane = d.x * d.x + d.z * d.z;
         assert_relative_eq!(
-            hit.distance,
+            distance,
             -2.0 * 0.15 * d.dot(&frame.normal) / in_plane,
             epsilon = 1e-14
         );
-        assert_relative_eq!(hit.position, entry + d * hit.distance, epsilon = 1e-14);
-        let from_inside = cylinder.boundary(&(entry + d * (0.9 * hit.distance)), &d);
-        assert_relative_eq!(from_inside.distance, 0.1 * hit.distance, epsilon = 1e-13);
-        assert_eq!(cylinder.boundary(&Vec3::zeros(), &Vec3::y()).distance, f64::INFINITY);
+        let there = entry + d * distance;
+        let [position, normal] = cylinder.surface(there.into(), d.into());
+        assert_relative_eq!(Vec3::from(position), there, epsilon = 1e-14);
+        assert_relative_eq!(
+            Vec3::from(normal) * 0.15,
+            Vec3::new(there.x, 0.0, there.z),
+            epsilon = 1e-14
+        );
+        let from_inside = cylinder.distance((entry + d * (0.9 * distance)).into(), d.into());
+        assert_relative_eq!(from_inside, 0.1 * distance, epsilon = 1e-13);
+        assert_eq!(cylinder.distance([0.0; 3], [0.0, 1.0, 0.0]), f64::INFINITY);
     }
 
     #[test]
     fn slab_faces() {
         let slab = Slab::new(2.0).unwrap();
-        let p = Vec3::new(0.0, 0.0, -0.5);
-        assert_eq!(slab.boundary(&p, &Vec3::z()).distance, 0.5);
-        assert_eq!(slab.boundary(&p, &-Vec3::z()).distance, 1.5);
-        assert_eq!(slab.boundary(&p, &Vec3::x()).distance, f64::INFINITY);
-        assert_eq!(
-            Slab::new(f64::INFINITY).unwrap().boundary(&p, &-Vec3::z()).distance,
-            f64::INFINITY
-        );
+        let p = [0.0, 0.0, -0.5];
+        let (up, down) = ([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);
+        assert_eq!(slab.distance(p, up), 0.5);
+        assert_eq!(slab.distance(p, down), 1.5);
+        assert_eq!(slab.surface([0.1, 0.2, -1.9999], down), [[0.1, 0.2, -2.0], down]);
+        assert_eq!(slab.surface([0.1, 0.2, 1e-9], up), [[0.1, 0.2, 0.0], up]);
+        assert_eq!(slab.distance(p, [1.0, 0.0, 0.0]), f64::INFINITY);
+        assert_eq!(Slab::new(f64::INFINITY).unwrap().distance(p, down), f64::INFINITY);
         assert!(Slab::new(0.0).is_err() && Cylinder::new(-1.0).is_err() && Cylinder::new(f64::NAN).is_err());
     }
 }

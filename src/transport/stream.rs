@@ -8,6 +8,7 @@ pub enum Purpose {
     Direct = 2,
     Camera = 3,
     Validation = 4,
+    Energy = 5,
 }
 
 /// The one source of random numbers: each (seed, purpose, direction, batch, wavelength) has a stream of its own,
@@ -23,6 +24,39 @@ impl Stream {
             key = SplitMix64::seed_from_u64(key).next_u64() ^ part;
         }
         Xoshiro256PlusPlus::seed_from_u64(SplitMix64::seed_from_u64(key).next_u64())
+    }
+}
+
+/// N xoshiro256++ generators side by side, stepped together.
+#[derive(Clone, Debug)]
+pub(super) struct LaneStream<const N: usize> {
+    state: [[u64; N]; 4],
+}
+
+impl<const N: usize> LaneStream<N> {
+    /// Each lane's state comes from a SplitMix64 that `stream` seeds.
+    pub fn open(stream: &mut Xoshiro256PlusPlus) -> Self {
+        let mut state = [[0; N]; 4];
+        for lane in 0..N {
+            let mut words = SplitMix64::seed_from_u64(stream.next_u64());
+            state.iter_mut().for_each(|row| row[lane] = words.next_u64());
+        }
+        Self { state }
+    }
+
+    /// The next number of one lane.
+    #[inline(always)]
+    pub fn next(&mut self, lane: usize) -> u64 {
+        let [s0, s1, s2, s3] = &mut self.state;
+        let result = s0[lane].wrapping_add(s3[lane]).rotate_left(23).wrapping_add(s0[lane]);
+        let t = s1[lane] << 17;
+        s2[lane] ^= s0[lane];
+        s3[lane] ^= s1[lane];
+        s1[lane] ^= s2[lane];
+        s0[lane] ^= s3[lane];
+        s2[lane] ^= t;
+        s3[lane] = s3[lane].rotate_left(45);
+        result
     }
 }
 
@@ -49,5 +83,20 @@ mod tests {
     fn golden_stream() {
         let mut stream = Stream::open(1, Purpose::Direct, 2, 3, 4);
         assert_eq!(stream.next_u64(), 3872697235653849325);
+    }
+
+    /// A lane is the generator of the kept crate, seeded with the lane's words.
+    #[test]
+    fn lanes_are_xoshiro256plusplus() {
+        let mut lanes = LaneStream::<4>::open(&mut Stream::open(7, Purpose::Validation, 0, 0, 0));
+        let mut seed = [0u8; 32];
+        for (bytes, row) in seed.chunks_exact_mut(8).zip(&lanes.state) {
+            bytes.copy_from_slice(&row[2].to_le_bytes());
+        }
+        let mut reference = Xoshiro256PlusPlus::from_seed(seed);
+        for _ in 0..100 {
+            assert_eq!(lanes.next(2), reference.next_u64());
+            lanes.next(0);
+        }
     }
 }

@@ -1,14 +1,14 @@
 use std::f64::consts::TAU;
 
-use rand::{Rng, RngExt};
+use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::Deserialize;
 
 use super::reference::rows;
-use super::statistics::Estimate;
+use super::statistics::check;
 use super::{Check, ValidateError};
 use crate::geometry::Vec3;
 use crate::optics::{HenyeyGreenstein, Phase};
-use crate::transport::{Cylinder, Exit, Interior, Ledger, Roulette, Walk};
+use crate::transport::{Coefficients, Cylinder, Entry, Estimate, Exit, Interior, Ledger, Roulette, Walk};
 
 #[derive(Debug, Deserialize)]
 struct Row {
@@ -100,75 +100,79 @@ impl CylinderProblem {
     }
 
     /// Reflected, transmitted, absorbed, distance from the entry to the exits.
-    pub fn batch(&self, paths: u64, rng: &mut impl Rng) -> Vec<f64> {
-        let walk = Walk {
-            shape: &self.cylinder,
-            interior: Interior {
-                index: self.index,
+    pub fn batch(&self, paths: u64, stream: Xoshiro256PlusPlus) -> Result<Vec<f64>, ValidateError> {
+        let interior = Interior::new(
+            self.index,
+            &[Coefficients {
                 mu_s: 0.0,
                 mu_a: self.mu_a,
                 phase: &self.phase,
-            },
+            }],
+        )?;
+        let walk = Walk {
+            shape: &self.cylinder,
+            interior: &interior,
             roulette: Roulette::default(),
         };
-        let mut sums = [0.0; 4];
         let mut chords = 0.0;
-        let mut tally = |ledger: &Ledger| {
-            sums[0] += ledger.reflected;
-            sums[1] += ledger.ballistic;
-            sums[2] += ledger.absorbed;
-        };
-        match self.tilt {
-            Some(tilt) => parallel_beam(&walk, tilt, paths, rng, |entry, exits, ledger| {
-                tally(ledger);
-                chords += exits
-                    .iter()
-                    .map(|e| e.weight * (e.position - entry).norm())
-                    .sum::<f64>();
-            }),
+        let mut tally = |exit: &Exit<'_, Vec3>| chords += exit.weights[0] * (exit.position - exit.tag).norm();
+        let ledgers = match self.tilt {
+            Some(tilt) => parallel_beam(&walk, tilt, paths, stream, &mut tally),
             None => {
                 let entry = self.cylinder.at(0.0);
-                for path in 0..paths {
-                    let cos2 = (path as f64 + rng.random::<f64>()) / paths as f64;
-                    let azimuth = TAU * rng.random::<f64>();
-                    let sin = (1.0 - cos2).sqrt();
-                    let omega_in = Vec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos2.sqrt());
-                    let ledger = walk.run(rng, &entry, &Vec3::z(), &omega_in, |exit| {
-                        chords += exit.weight * (exit.position - entry).norm();
-                    });
-                    tally(&ledger);
-                }
+                walk.trace(
+                    stream,
+                    paths as usize,
+                    |[cos2, turns, ..]| {
+                        let (sin, azimuth) = ((1.0 - cos2).sqrt(), TAU * turns);
+                        Entry {
+                            position: entry,
+                            normal: Vec3::z(),
+                            omega_in: Vec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos2.sqrt()),
+                            tag: entry,
+                        }
+                    },
+                    &mut tally,
+                )
             }
-        }
-        sums[3] = chords;
-        sums.iter().map(|s| s / paths as f64).collect()
+        };
+        let [ledger] = ledgers[..] else {
+            return Ok(Vec::new());
+        };
+        let sums = [ledger.reflected, ledger.ballistic, ledger.absorbed, chords];
+        Ok(sums.iter().map(|s| s / paths as f64).collect())
     }
 
     pub fn checks(&self, estimates: &[Estimate]) -> Vec<Check> {
         self.expected
             .iter()
-            .map(|&(place, quantity, value)| estimates[place].check(self.name(), quantity, Estimate { value, se: 0.0 }))
+            .map(|&(place, quantity, value)| check(estimates[place], self.name(), quantity, Estimate { value, se: 0.0 }))
             .collect()
     }
 }
 
 /// Light of a parallel beam that travels towards −z and, tilted, towards +y, over the whole projected width of a
-/// cylinder. The impact parameters are stratified over the paths. `sink` gets entry point, exits and ledger of each.
+/// cylinder. Exits are tagged with the point of entry.
 pub(super) fn parallel_beam(
     walk: &Walk<'_, Cylinder>,
     tilt: f64,
     paths: u64,
-    rng: &mut impl Rng,
-    mut sink: impl FnMut(&Vec3, &[Exit], &Ledger),
-) {
+    stream: Xoshiro256PlusPlus,
+    sink: impl FnMut(&Exit<'_, Vec3>),
+) -> Vec<Ledger> {
     let omega_in = Vec3::new(0.0, -tilt.sin(), tilt.cos());
-    let mut exits = Vec::new();
-    for path in 0..paths {
-        let h = 2.0 * (path as f64 + rng.random::<f64>()) / paths as f64 - 1.0;
-        let entry = walk.shape.at(h.asin());
-        let normal = walk.shape.frame(&entry).normal;
-        exits.clear();
-        let ledger = walk.run(rng, &entry, &normal, &omega_in, |exit| exits.push(*exit));
-        sink(&entry, &exits, &ledger);
-    }
+    walk.trace(
+        stream,
+        paths as usize,
+        |[even, ..]| {
+            let position = walk.shape.at((2.0 * even - 1.0).asin());
+            Entry {
+                position,
+                normal: walk.shape.frame(&position).normal,
+                omega_in,
+                tag: position,
+            }
+        },
+        sink,
+    )
 }

@@ -23,10 +23,10 @@ use serde::Serialize;
 
 use crate::optics::{OpticsError, PhaseError};
 use crate::spectrum::SpectrumError;
-use crate::transport::{Purpose, Stream, TransportError};
+use crate::transport::{Estimate, Purpose, Stream, TransportError};
 use cylinder::CylinderProblem;
 use slab::SlabProblem;
-use statistics::Estimate;
+use statistics::estimates;
 use yarn::YarnProblem;
 
 /// Batches of a problem; enough for a standard error that is itself good to 7 %.
@@ -88,11 +88,11 @@ impl Problem {
     }
 
     /// Means over the paths of one batch, in the problem's own order.
-    fn batch(&self, paths: u64, rng: &mut Xoshiro256PlusPlus) -> Vec<f64> {
+    fn batch(&self, paths: u64, stream: Xoshiro256PlusPlus) -> Result<Vec<f64>, ValidateError> {
         match self {
-            Self::Slab(p) => p.batch(paths, rng),
-            Self::Cylinder(p) => p.batch(paths, rng),
-            Self::Yarn(p) => p.batch(paths, rng),
+            Self::Slab(p) => p.batch(paths, stream),
+            Self::Cylinder(p) => p.batch(paths, stream),
+            Self::Yarn(p) => p.batch(paths, stream),
         }
     }
 
@@ -137,13 +137,13 @@ pub fn run_each(paths: impl Fn(&str) -> u64, seed: u64) -> Result<Vec<Check>, Va
     let means: Vec<Vec<f64>> = tasks
         .par_iter()
         .map(|&(index, batch, paths)| {
-            let mut rng = Stream::open(seed, Purpose::Validation, index, batch, 0);
-            problems[index].batch(paths, &mut rng)
+            let stream = Stream::open(seed, Purpose::Validation, index, batch, 0);
+            problems[index].batch(paths, stream)
         })
-        .collect();
+        .collect::<Result<_, _>>()?;
     let mut checks = Vec::new();
     for (batches, tasks) in means.chunks(BATCHES).zip(tasks.chunks(BATCHES)) {
-        checks.extend(problems[tasks[0].0].checks(&Estimate::from_batches(batches)));
+        checks.extend(problems[tasks[0].0].checks(&estimates(batches)));
     }
     for problem in sphere::problems()? {
         if paths(&problem.name()) > 0 {

@@ -1,12 +1,12 @@
-use rand::{Rng, RngExt};
+use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::Deserialize;
 
 use super::reference::rows;
-use super::statistics::Estimate;
+use super::statistics::check;
 use super::{Check, ValidateError};
 use crate::geometry::Vec3;
 use crate::optics::{HenyeyGreenstein, Phase};
-use crate::transport::{Interior, Roulette, Slab, Walk};
+use crate::transport::{Coefficients, Entry, Estimate, Interior, Roulette, Slab, Walk};
 
 #[derive(Clone, Debug, Deserialize)]
 struct Row {
@@ -64,37 +64,46 @@ impl SlabProblem {
     }
 
     /// Reflected in all, reflected after scattering, transmitted in all, transmitted after scattering.
-    pub fn batch(&self, paths: u64, rng: &mut impl Rng) -> Vec<f64> {
+    pub fn batch(&self, paths: u64, stream: Xoshiro256PlusPlus) -> Result<Vec<f64>, ValidateError> {
         let extinction = if self.row.tau.is_finite() { self.row.tau } else { 1.0 };
-        let walk = Walk {
-            shape: &self.slab,
-            interior: Interior {
-                index: self.row.n,
+        let interior = Interior::new(
+            self.row.n,
+            &[Coefficients {
                 mu_s: extinction * self.row.a,
                 mu_a: extinction * (1.0 - self.row.a),
                 phase: &self.phase,
-            },
+            }],
+        )?;
+        let walk = Walk {
+            shape: &self.slab,
+            interior: &interior,
             roulette: Roulette::default(),
         };
         let mut sums = [0.0; 4];
-        for path in 0..paths {
-            let omega_in = if self.lambertian {
-                // cos² is even in 0..1 under even radiance; stratified over the batch.
-                let cos2 = (path as f64 + rng.random::<f64>()) / paths as f64;
-                Vec3::new((1.0 - cos2).sqrt(), 0.0, cos2.sqrt())
-            } else {
-                Vec3::z()
-            };
-            let ledger = walk.run(rng, &Vec3::zeros(), &Vec3::z(), &omega_in, |exit| {
+        let ledgers = walk.trace(
+            stream,
+            paths as usize,
+            |[even, ..]| Entry {
+                position: Vec3::zeros(),
+                normal: Vec3::z(),
+                omega_in: if self.lambertian {
+                    // cos² is even in 0..1 under even radiance.
+                    Vec3::new((1.0 - even).sqrt(), 0.0, even.sqrt())
+                } else {
+                    Vec3::z()
+                },
+                tag: (),
+            },
+            |exit| {
                 let side = if exit.normal.z > 0.0 { 0 } else { 2 };
-                sums[side] += exit.weight;
+                sums[side] += exit.weights[0];
                 if exit.scattered {
-                    sums[side + 1] += exit.weight;
+                    sums[side + 1] += exit.weights[0];
                 }
-            });
-            sums[0] += ledger.reflected;
-        }
-        sums.iter().map(|s| s / paths as f64).collect()
+            },
+        );
+        sums[0] += ledgers[0].reflected;
+        Ok(sums.iter().map(|s| s / paths as f64).collect())
     }
 
     pub fn checks(&self, estimates: &[Estimate]) -> Vec<Check> {
@@ -111,7 +120,7 @@ impl SlabProblem {
         };
         pairs
             .into_iter()
-            .map(|(place, quantity, value)| estimates[place].check(self.name(), quantity, Estimate { value, se: 0.0 }))
+            .map(|(place, quantity, value)| check(estimates[place], self.name(), quantity, Estimate { value, se: 0.0 }))
             .collect()
     }
 }

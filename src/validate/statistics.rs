@@ -1,47 +1,31 @@
 use super::Check;
+use crate::transport::Estimate;
 
 /// Rounding of the printed references, of fractions of 1.
 const ROUNDING: f64 = 1e-11;
 
-/// Mean of batches and its standard error.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Estimate {
-    pub value: f64,
-    pub se: f64,
+/// One estimate for each place of the batches' vectors.
+pub(super) fn estimates(batches: &[Vec<f64>]) -> Vec<Estimate> {
+    let places = batches.first().map_or(0, Vec::len);
+    (0..places)
+        .map(|i| Estimate::from_batches(batches.iter().map(|b| b[i])))
+        .collect()
 }
 
-impl Estimate {
-    /// One estimate for each place of the batches' vectors, which are summed in their order.
-    pub fn from_batches(batches: &[Vec<f64>]) -> Vec<Self> {
-        let n = batches.len() as f64;
-        let places = batches.first().map_or(0, Vec::len);
-        (0..places)
-            .map(|i| {
-                let value = batches.iter().map(|b| b[i]).sum::<f64>() / n;
-                let squares: f64 = batches.iter().map(|b| (b[i] - value).powi(2)).sum();
-                Self {
-                    value,
-                    se: (squares / (n * (n - 1.0))).sqrt(),
-                }
-            })
-            .collect()
-    }
+/// Difference from a reference in standard errors of both.
+fn deviation(estimate: Estimate, reference: Estimate) -> f64 {
+    (estimate.value - reference.value) / (estimate.se.powi(2) + reference.se.powi(2) + ROUNDING * ROUNDING).sqrt()
+}
 
-    /// Difference from a reference in standard errors of both.
-    pub fn deviation(&self, reference: Self) -> f64 {
-        (self.value - reference.value) / (self.se.powi(2) + reference.se.powi(2) + ROUNDING * ROUNDING).sqrt()
-    }
-
-    pub fn check(&self, problem: String, quantity: &str, reference: Self) -> Check {
-        Check {
-            problem,
-            quantity: quantity.to_owned(),
-            value: self.value,
-            se: self.se,
-            reference: reference.value,
-            reference_se: reference.se,
-            z: self.deviation(reference),
-        }
+pub(super) fn check(estimate: Estimate, problem: String, quantity: &str, reference: Estimate) -> Check {
+    Check {
+        problem,
+        quantity: quantity.to_owned(),
+        value: estimate.value,
+        se: estimate.se,
+        reference: reference.value,
+        reference_se: reference.se,
+        z: deviation(estimate, reference),
     }
 }
 
@@ -50,7 +34,7 @@ pub(super) fn joint(problem: String, quantity: &str, values: &[Estimate], refere
     let chi2: f64 = values
         .iter()
         .zip(references)
-        .map(|(value, &reference)| value.deviation(reference).powi(2))
+        .map(|(&value, &reference)| deviation(value, reference).powi(2))
         .sum();
     let bins = references.len() as f64;
     let spread = 2.0 / (9.0 * bins);
@@ -69,14 +53,6 @@ pub(super) fn joint(problem: String, quantity: &str, values: &[Estimate], refere
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
-
-    #[test]
-    fn mean_and_standard_error_of_batches() {
-        let found = Estimate::from_batches(&[vec![1.0, 5.0], vec![2.0, 5.0], vec![6.0, 5.0]]);
-        assert_relative_eq!(found[0].value, 3.0);
-        assert_relative_eq!(found[0].se, (14.0f64 / 6.0).sqrt(), epsilon = 1e-15);
-        assert_eq!(found[1], Estimate { value: 5.0, se: 0.0 });
-    }
 
     /// 67.985 is the point χ² of 36 bins exceeds with probability 1e-3, where the normal deviate is 3.0902.
     #[test]

@@ -1,13 +1,13 @@
-use rand::Rng;
+use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::Deserialize;
 
 use super::cylinder::parallel_beam;
 use super::reference::rows;
-use super::statistics::{Estimate, joint};
+use super::statistics::{check, joint};
 use super::{Check, ValidateError};
 use crate::optics::{Interference, Medium, MediumSpec};
 use crate::spectrum::{Spectrum, WavelengthGrid};
-use crate::transport::{Cylinder, Exit, Interior, Roulette, Walk};
+use crate::transport::{Coefficients, Cylinder, Estimate, Interior, Roulette, Walk};
 
 /// The reference's yarn: host and particle index, particle diameter, volume fraction and radius.
 const HOST_INDEX: f64 = 1.557;
@@ -173,42 +173,38 @@ impl YarnProblem {
     }
 
     /// Totals in their order, then the cells of the histograms.
-    pub fn batch(&self, paths: u64, rng: &mut impl Rng) -> Vec<f64> {
-        let walk = Walk {
-            shape: &self.cylinder,
-            interior: Interior {
-                index: self.medium.host_index()[0],
+    pub fn batch(&self, paths: u64, stream: Xoshiro256PlusPlus) -> Result<Vec<f64>, ValidateError> {
+        let interior = Interior::new(
+            self.medium.host_index()[0],
+            &[Coefficients {
                 mu_s: self.medium.mu_s_per_mm()[0],
                 mu_a: self.medium.mu_a_per_mm()[0],
                 phase: self.medium.phase(0),
-            },
+            }],
+        )?;
+        let walk = Walk {
+            shape: &self.cylinder,
+            interior: &interior,
             roulette: Roulette::default(),
         };
         let [azimuth, straight, theta] = &self.histograms;
-        let mut totals = vec![0.0; TOTALS.len()];
         let mut cells = self.histograms.each_ref().map(|h| vec![0.0; h.references.len()]);
-        parallel_beam(&walk, self.psi_deg.to_radians(), paths, rng, |_, exits, ledger| {
-            let parts = [ledger.reflected, ledger.ballistic, ledger.scattered, ledger.absorbed];
-            totals.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
-            for Exit {
-                direction,
-                weight,
-                scattered,
-                ..
-            } in exits
-            {
-                // 0 is straight on, 180 back to the source.
-                let azimuth_deg = direction.x.atan2(-direction.z).to_degrees().rem_euclid(360.0);
-                if *scattered {
-                    azimuth.add(&mut cells[0], azimuth_deg, *weight);
-                    theta.add(&mut cells[2], direction.y.clamp(-1.0, 1.0).acos().to_degrees(), *weight);
-                } else {
-                    straight.add(&mut cells[1], azimuth_deg, *weight);
-                }
+        let ledgers = parallel_beam(&walk, self.psi_deg.to_radians(), paths, stream, |exit| {
+            let (direction, weight) = (exit.direction, exit.weights[0]);
+            // 0 is straight on, 180 back to the source.
+            let azimuth_deg = direction.x.atan2(-direction.z).to_degrees().rem_euclid(360.0);
+            if exit.scattered {
+                azimuth.add(&mut cells[0], azimuth_deg, weight);
+                theta.add(&mut cells[2], direction.y.clamp(-1.0, 1.0).acos().to_degrees(), weight);
+            } else {
+                straight.add(&mut cells[1], azimuth_deg, weight);
             }
         });
-        let sums = totals.into_iter().chain(cells.into_iter().flatten());
-        sums.map(|s| s / paths as f64).collect()
+        let totals = ledgers
+            .iter()
+            .flat_map(|ledger| [ledger.reflected, ledger.ballistic, ledger.scattered, ledger.absorbed]);
+        let sums = totals.chain(cells.into_iter().flatten());
+        Ok(sums.map(|s| s / paths as f64).collect())
     }
 
     pub fn checks(&self, estimates: &[Estimate]) -> Vec<Check> {
@@ -216,7 +212,7 @@ impl YarnProblem {
         let mut checks: Vec<Check> = totals
             .iter()
             .zip(&self.totals)
-            .map(|(estimate, &(quantity, reference))| estimate.check(self.name(), quantity, reference))
+            .map(|(estimate, &(quantity, reference))| check(*estimate, self.name(), quantity, reference))
             .collect();
         for histogram in &self.histograms {
             let (own, rest) = cells.split_at(histogram.references.len());

@@ -1,94 +1,144 @@
-use super::{Effort, RadianceFactorGrid, RadianceFactorTable, Yarn};
+use super::radiance_factor::LightSide;
+use super::{Effort, LengthBins, LengthTally, RadianceFactorGrid, Sharing, Yarn, YarnError};
 use crate::geometry::Vec3;
-use crate::transport::{Ledger, Purpose, Stream, Walk};
-use rand::RngExt;
+use crate::transport::{Entry, Ledger, Purpose, Stream};
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
-/// Parallel beams over the whole yarn.
-#[derive(Clone, Debug)]
-pub struct DirectRun {
-    pub table: RadianceFactorTable,
-    /// Ledger of [tilt][wavelength][batch].
-    pub ledgers: Vec<Vec<Vec<Ledger>>>,
+/// Parallel beams over the whole yarn, tallied to f* without a BSSRDF between.
+pub struct DirectTracer<'a> {
+    yarn: &'a Yarn,
+    sharing: Vec<Sharing<'a>>,
+    grid: RadianceFactorGrid,
+    effort: Effort,
+    lengths: Option<&'a LengthBins>,
 }
 
-/// Lights the whole yarn by a parallel beam at every tilt of the grid and tallies f* without an intermediate BSSRDF.
-/// `done` is told the paths of each finished piece of work.
-pub fn trace_direct(yarn: &Yarn, grid: RadianceFactorGrid, effort: Effort, done: &(dyn Fn(u64) + Sync)) -> DirectRun {
-    let wavelengths = yarn.wavelengths();
-    let cells_per_tilt = grid.cells() / grid.tilts();
-    let pieces: Vec<(Vec<Vec<f64>>, Vec<Ledger>)> = (0..grid.tilts() * wavelengths)
-        .into_par_iter()
-        .map(|piece| {
-            let (tilt, wavelength) = (piece / wavelengths, piece % wavelengths);
-            let result = (0..effort.batches)
-                .map(|batch| trace_batch(yarn, &grid, effort, tilt, wavelength, batch))
-                .unzip();
-            done((effort.batches * effort.paths_per_batch) as u64);
-            result
+/// Result of one batch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DirectBatch {
+    /// f*, 1/sr: cell of the grid × wavelength, wavelength fastest.
+    pub radiance_factor: Vec<f64>,
+    /// Tilt × wavelength, wavelength fastest; fractions of the light that meets the yarn.
+    pub ledgers: Vec<Ledger>,
+    /// f* by path length; empty where it was not asked for.
+    pub lengths: LengthTally,
+}
+
+impl<'a> DirectTracer<'a> {
+    pub fn new(
+        yarn: &'a Yarn,
+        grid: RadianceFactorGrid,
+        effort: Effort,
+        lengths: Option<&'a LengthBins>,
+    ) -> Result<Self, YarnError> {
+        Ok(Self {
+            yarn,
+            sharing: yarn.sharing()?,
+            grid,
+            effort,
+            lengths,
         })
-        .collect();
-    let exits = grid.surface().exit().cells();
-    let per_fraction: Vec<f64> = (0..grid.tilts() * exits)
-        .map(|i| grid.radiance_factor_per_fraction(i / exits, i % exits))
-        .collect();
-    let mut table = RadianceFactorTable::zeros(grid, wavelengths, effort.batches);
-    table.batches.par_iter_mut().enumerate().for_each(|(batch, values)| {
+    }
+
+    /// Traces one batch at every tilt.
+    pub fn batch(&self, batch: usize) -> DirectBatch {
+        let tilts: Vec<DirectBatch> = (0..self.grid.tilts())
+            .into_par_iter()
+            .map(|tilt| self.tilt(batch, tilt))
+            .collect();
+        let mut whole = DirectBatch {
+            radiance_factor: Vec::with_capacity(self.grid.cells() * self.yarn.wavelengths()),
+            ledgers: Vec::new(),
+            lengths: LengthTally::default(),
+        };
+        for tilt in tilts {
+            whole.radiance_factor.extend(tilt.radiance_factor);
+            whole.ledgers.extend(tilt.ledgers);
+            whole.lengths.amount.extend(tilt.lengths.amount);
+            whole.lengths.moment_mm.extend(tilt.lengths.moment_mm);
+        }
+        whole
+    }
+
+    /// Beams evenly spread over the cell of the tilt, in the sine of it: the same radiance from all of that band of sky.
+    fn tilt(&self, batch: usize, tilt: usize) -> DirectBatch {
+        let wavelengths = self.yarn.wavelengths();
+        let exits = self.grid.surface().exit().cells();
+        let cells = self.grid.azimuths() * exits;
+        let bins = self.lengths.map_or(0, LengthBins::bins);
+        let paths = self.effort.paths_per_batch;
+        let [low, high] = self.grid.tilt_edges(tilt).map(f64::sin);
+        let light = LightSide {
+            x: 0.0,
+            z: 1.0,
+            tilt,
+            axis_reversed: false,
+        };
+        let first_cell = self.grid.cell(tilt, 0, 0);
+        let mut values = vec![0.0; cells * wavelengths];
+        let mut lengths = LengthTally {
+            amount: vec![0.0; cells * bins * wavelengths],
+            moment_mm: vec![0.0; cells * bins * wavelengths],
+        };
+        let mut ledgers = Vec::with_capacity(wavelengths);
+        for sharing in &self.sharing {
+            let here = sharing.first..sharing.first + sharing.interior.wavelengths();
+            let stream = Stream::open(self.effort.seed, Purpose::Direct, tilt, batch, sharing.first);
+            let sums = self.yarn.walk(&sharing.interior).trace(
+                stream,
+                paths,
+                |[across, along, ..]| {
+                    let h = 2.0 * across - 1.0;
+                    let normal = Vec3::new(h, 0.0, (1.0 - h * h).max(0.0).sqrt());
+                    let sine = low + (high - low) * along;
+                    Entry {
+                        position: normal * self.yarn.cylinder.radius_mm(),
+                        normal,
+                        omega_in: Vec3::new(0.0, sine, (1.0 - sine * sine).sqrt()),
+                        tag: (),
+                    }
+                },
+                |exit| {
+                    if exit.scattered {
+                        let cell = self.grid.cell_from(&light, &exit.normal, &exit.direction) - first_cell;
+                        add(&mut values[cell * wavelengths..][here.clone()], exit.weights);
+                        if let Some(of) = self.lengths {
+                            let at = (cell * bins + of.bin(exit.length_mm)) * wavelengths;
+                            add_single(&mut lengths.amount[at..][here.clone()], exit.weights, 1.0);
+                            add_single(&mut lengths.moment_mm[at..][here.clone()], exit.weights, exit.length_mm);
+                        }
+                    }
+                },
+            );
+            ledgers.extend(sums.iter().map(|sum| sum.scaled(1.0 / paths as f64)));
+        }
+        let factor: Vec<f64> = (0..exits)
+            .map(|exit| self.grid.radiance_factor_per_fraction(tilt, exit) / paths as f64)
+            .collect();
         for (cell, row) in values.chunks_exact_mut(wavelengths).enumerate() {
-            let (tilt, c) = (cell / cells_per_tilt, cell % cells_per_tilt);
-            let factor = per_fraction[tilt * exits + c % exits];
-            for (wavelength, value) in row.iter_mut().enumerate() {
-                *value = factor * pieces[tilt * wavelengths + wavelength].0[batch][c];
+            row.iter_mut().for_each(|value| *value *= factor[cell % exits]);
+        }
+        for part in [&mut lengths.amount, &mut lengths.moment_mm] {
+            for (cell, rows) in part.chunks_exact_mut((bins * wavelengths).max(1)).enumerate() {
+                rows.iter_mut().for_each(|value| *value *= factor[cell % exits] as f32);
             }
         }
-    });
-    let mut ledgers = vec![vec![Vec::new(); wavelengths]; grid.tilts()];
-    for (piece, (_, ledger)) in pieces.into_iter().enumerate() {
-        ledgers[piece / wavelengths][piece % wavelengths] = ledger;
+        DirectBatch {
+            radiance_factor: values,
+            ledgers,
+            lengths,
+        }
     }
-    DirectRun { table, ledgers }
 }
 
-/// Fractions of the beam's flux per (azimuth, exit) cell of one tilt, and the ledger.
-fn trace_batch(
-    yarn: &Yarn,
-    grid: &RadianceFactorGrid,
-    effort: Effort,
-    tilt: usize,
-    wavelength: usize,
-    batch: usize,
-) -> (Vec<f64>, Ledger) {
-    let mut rng = Stream::open(effort.seed, Purpose::Direct, tilt, batch, wavelength);
-    let walk = Walk {
-        shape: &yarn.cylinder,
-        interior: yarn.interior(wavelength),
-        roulette: yarn.roulette,
-    };
-    let psi = grid.tilt(tilt);
-    let omega_in = Vec3::new(0.0, psi.sin(), psi.cos());
-    let exit_grid = grid.surface().exit();
-    let mut fractions = vec![0.0; grid.azimuths() * exit_grid.cells()];
-    let mut ledger = Ledger::default();
-    let n = effort.paths_per_batch;
-    for path in 0..n {
-        // Impact parameter, stratified over the beam.
-        let h = -1.0 + 2.0 * (path as f64 + rng.random::<f64>()) / n as f64;
-        let normal = Vec3::new(h, 0.0, (1.0 - h * h).max(0.0).sqrt());
-        let position = normal * yarn.cylinder.radius_mm();
-        ledger.add(&walk.run(&mut rng, &position, &normal, &omega_in, |exit| {
-            if exit.scattered {
-                let azimuth = exit.normal.x.atan2(exit.normal.z);
-                let mut local = yarn.cylinder.frame(&exit.position).to_local(&exit.direction);
-                if azimuth < 0.0 {
-                    local.x = -local.x;
-                }
-                let a = ((azimuth.abs() / PI * grid.azimuths() as f64) as usize).min(grid.azimuths() - 1);
-                fractions[a * exit_grid.cells() + exit_grid.cell(&local)] += exit.weight;
-            }
-        }));
-    }
-    let scale = 1.0 / n as f64;
-    fractions.iter_mut().for_each(|f| *f *= scale);
-    (fractions, ledger.scaled(scale))
+#[inline(always)]
+fn add(sums: &mut [f64], weights: &[f64]) {
+    sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
+}
+
+#[inline(always)]
+fn add_single(sums: &mut [f32], weights: &[f64], factor: f64) {
+    sums.iter_mut()
+        .zip(weights)
+        .for_each(|(sum, weight)| *sum += (factor * weight) as f32);
 }

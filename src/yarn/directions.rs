@@ -11,13 +11,35 @@ pub struct IncidentGrid {
     folded: bool,
 }
 
-/// Weight of one traced direction in an interpolation, and the mirrors that take it to where it is needed.
+/// The cell of the hemisphere that an incident direction stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Corner {
-    pub traced: usize,
-    pub mirror_tangent: bool,
-    pub mirror_axis: bool,
-    pub weight: f64,
+pub(super) struct DirectionCell {
+    cos_theta: [f64; 2],
+    phi: [f64; 2],
+}
+
+impl DirectionCell {
+    pub fn solid_angle(&self) -> f64 {
+        (self.cos_theta[0] - self.cos_theta[1]) * (self.phi[1] - self.phi[0])
+    }
+
+    /// The direction at `zenith` and `turn` in 0..1, even in solid angle: (tangent, axis, normal), towards the light.
+    pub fn direction(&self, zenith: f64, turn: f64) -> Vec3 {
+        let cos = self.cos_theta[0] + (self.cos_theta[1] - self.cos_theta[0]) * zenith;
+        let phi = self.phi[0] + (self.phi[1] - self.phi[0]) * turn;
+        let sin = (1.0 - cos * cos).max(0.0).sqrt();
+        Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
+    }
+
+    /// Least and greatest |sin ψ| of the tilt ψ out of the normal plane; no cell lies across a mirror plane.
+    pub fn sine_of_tilt(&self) -> [f64; 2] {
+        let sin_theta = self.cos_theta.map(|cos| (1.0 - cos * cos).max(0.0).sqrt());
+        let sin_phi = self.phi.map(|phi| phi.sin().abs());
+        [
+            sin_theta[0] * sin_phi[0].min(sin_phi[1]),
+            sin_theta[1] * sin_phi[0].max(sin_phi[1]),
+        ]
+    }
 }
 
 impl IncidentGrid {
@@ -89,28 +111,20 @@ impl IncidentGrid {
         (row * (self.azimuth / 4) + column, tangent, axis)
     }
 
-    /// Bilinear interpolation in zenith and azimuth between directions, across the pole to the opposite azimuth,
-    /// constant beyond the outermost zenith.
-    pub(super) fn corners(&self, omega_in: &Vec3) -> [Corner; 4] {
-        let theta = omega_in.z.clamp(0.0, 1.0).acos() / FRAC_PI_2 * self.zenith as f64 - 0.5;
-        let phi = omega_in.y.atan2(omega_in.x) / TAU * self.azimuth as f64 - 0.5;
-        let (row, column) = (theta.floor(), phi.floor());
-        let (wr, wc) = (theta - row, phi - column);
-        let corner = |dr: f64, dc: f64| {
-            let r = row + dr;
-            let turn = if r < 0.0 { self.azimuth as f64 / 2.0 } else { 0.0 };
-            let c = (column + dc + turn).rem_euclid(self.azimuth as f64) as usize % self.azimuth;
-            let r = (r.max(0.0) as usize).min(self.zenith - 1);
-            let (traced, mirror_tangent, mirror_axis) = self.representative(r * self.azimuth + c);
-            let weight = if dr == 0.0 { 1.0 - wr } else { wr } * if dc == 0.0 { 1.0 - wc } else { wc };
-            Corner {
-                traced,
-                mirror_tangent,
-                mirror_axis,
-                weight,
-            }
-        };
-        [corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 0.0), corner(1.0, 1.0)]
+    /// The cell around traced direction t.
+    pub(super) fn cell(&self, t: usize) -> DirectionCell {
+        let n = self.traced_azimuths();
+        let edge = |i: usize| (i as f64 * FRAC_PI_2 / self.zenith as f64).cos();
+        let turn = |j: usize| j as f64 * TAU / self.azimuth as f64;
+        DirectionCell {
+            cos_theta: [edge(t / n), edge(t / n + 1)],
+            phi: [turn(t % n), turn(t % n + 1)],
+        }
+    }
+
+    /// Directions of the hemisphere that a traced one stands for.
+    pub(super) fn images(&self) -> f64 {
+        (self.len() / self.traced()) as f64
     }
 }
 

@@ -3,16 +3,20 @@
 mod bssrdf;
 mod direct;
 mod directions;
+mod energy;
+mod lengths;
 mod radiance_factor;
 
-pub use bssrdf::{Bssrdf, BssrdfRun, trace_bssrdf};
-pub use direct::{DirectRun, trace_direct};
+pub use bssrdf::{BssrdfBatch, BssrdfGrid, PatchTracer};
+pub use direct::{DirectBatch, DirectTracer};
 pub use directions::IncidentGrid;
-pub use radiance_factor::{FactorWeights, RadianceFactorGrid, RadianceFactorTable, WeightTally};
+pub use energy::{EnergyBatch, EnergyTracer};
+pub use lengths::{LengthBins, LengthSums, LengthTally};
+pub use radiance_factor::{FactorWeights, RadianceFactorGrid, WeightTally};
 
 use crate::geometry::HemisphereGrid;
 use crate::optics::Medium;
-use crate::transport::{Cylinder, Interior, Roulette, TransportError};
+use crate::transport::{Coefficients, Cylinder, Interior, Roulette, TransportError, Walk};
 
 /// What is wrong with an input of the yarn's tracing.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -27,21 +31,69 @@ pub enum YarnError {
     },
 }
 
+/// How wavelengths share paths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimator {
+    /// One path for all wavelengths, weighed by the balance heuristic.
+    Shared,
+    /// A path for each wavelength; its ledger closes to rounding.
+    Independent,
+}
+
 /// A yarn: a cylinder full of medium.
 #[derive(Clone, Debug)]
 pub struct Yarn {
     pub cylinder: Cylinder,
     pub medium: Medium,
     pub roulette: Roulette,
+    /// As asked for; see [`Yarn::estimator_in_use`].
+    pub estimator: Estimator,
+}
+
+/// Wavelengths from `first` on that share paths.
+struct Sharing<'a> {
+    first: usize,
+    interior: Interior<'a>,
 }
 
 impl Yarn {
-    fn interior(&self, wavelength: usize) -> Interior<'_> {
-        Interior {
-            index: self.medium.host_index()[wavelength],
-            mu_s: self.medium.mu_s_per_mm()[wavelength],
-            mu_a: self.medium.mu_a_per_mm()[wavelength],
-            phase: self.medium.phase(wavelength),
+    /// The estimator that is used: refraction parts the wavelengths of a dispersive host, which then need a path each.
+    pub fn estimator_in_use(&self) -> Estimator {
+        let index = self.medium.host_index();
+        if index.iter().all(|n| *n == index[0]) {
+            self.estimator
+        } else {
+            Estimator::Independent
+        }
+    }
+
+    /// The medium's wavelengths in order, those that share paths together.
+    fn sharing(&self) -> Result<Vec<Sharing<'_>>, YarnError> {
+        let coefficients: Vec<Coefficients<'_>> = (0..self.wavelengths())
+            .map(|w| Coefficients {
+                mu_s: self.medium.mu_s_per_mm()[w],
+                mu_a: self.medium.mu_a_per_mm()[w],
+                phase: self.medium.phase(w),
+            })
+            .collect();
+        let together = match self.estimator_in_use() {
+            Estimator::Shared => coefficients.len(),
+            Estimator::Independent => 1,
+        };
+        let mut sharing = Vec::new();
+        for (k, coefficients) in coefficients.chunks(together).enumerate() {
+            let first = k * together;
+            let interior = Interior::new(self.medium.host_index()[first], coefficients)?;
+            sharing.push(Sharing { first, interior });
+        }
+        Ok(sharing)
+    }
+
+    fn walk<'a>(&'a self, interior: &'a Interior<'a>) -> Walk<'a, Cylinder> {
+        Walk {
+            shape: &self.cylinder,
+            interior,
+            roulette: self.roulette,
         }
     }
 
@@ -56,7 +108,7 @@ pub struct Effort {
     pub seed: u64,
     /// Independent batches, two or more for a standard error.
     pub batches: usize,
-    /// Paths of one batch for each direction and wavelength.
+    /// Paths of one batch for each direction, and for each wavelength if they share none.
     pub paths_per_batch: usize,
 }
 

@@ -5,7 +5,7 @@ use std::iter::zip;
 
 /// Axes of a radiance factor table. By the cylinder's symmetry f*(ω_in, ω_out) depends on the light's tilt out of the
 /// yarn's normal plane, on the azimuth of the surface point from the light, and on ω_out; both mirrors fold the table
-/// to tilts 0..90° and azimuths 0..180°. Tilts are nodes, azimuth and ω_out are cells.
+/// to tilts 0..90° and azimuths 0..180°. All axes are cells, and a table holds means over them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadianceFactorGrid {
     tilts: usize,
@@ -42,9 +42,25 @@ impl RadianceFactorGrid {
         self.tilts * self.azimuths() * self.surface.exit.cells()
     }
 
-    /// Tilt of node k, radians.
+    /// Middle of tilt cell k, radians.
     pub fn tilt(&self, k: usize) -> f64 {
         (k as f64 + 0.5) * FRAC_PI_2 / self.tilts as f64
+    }
+
+    /// Tilts between which cell k lies, radians.
+    pub fn tilt_edges(&self, k: usize) -> [f64; 2] {
+        [k, k + 1].map(|edge| edge as f64 * FRAC_PI_2 / self.tilts as f64)
+    }
+
+    /// Mean of cos ψ over tilt cell k.
+    pub fn mean_cosine(&self, k: usize) -> f64 {
+        let [low, high] = self.tilt_edges(k);
+        (high.sin() - low.sin()) / (high - low)
+    }
+
+    /// Cell of the tilt with |sin ψ| = `sine`.
+    pub(super) fn tilt_of_sine(&self, sine: f64) -> usize {
+        ((sine.min(1.0).asin() / FRAC_PI_2 * self.tilts as f64) as usize).min(self.tilts - 1)
     }
 
     /// Index of (tilt, azimuth, exit cell).
@@ -52,11 +68,35 @@ impl RadianceFactorGrid {
         (tilt * self.azimuths() + azimuth) * self.surface.exit.cells() + exit
     }
 
-    /// f* in a cell per fraction of the beam's flux that leaves through it, 1/sr: radiance of the cell over irradiance
-    /// normal to the beam, for flux 2R cos ψ per length of yarn and both mirror images of the cell, 2 RΔφ long.
+    /// Cell that light leaving at a surface `normal` along `direction` belongs to.
+    #[inline(always)]
+    pub(super) fn cell_from(&self, light: &LightSide, normal: &Vec3, direction: &Vec3) -> usize {
+        let azimuth = (normal.x * light.z - normal.z * light.x).atan2(normal.x * light.x + normal.z * light.z);
+        let tangent = direction.x * normal.z - direction.z * normal.x;
+        let local = Vec3::new(
+            if azimuth < 0.0 { -tangent } else { tangent },
+            if light.axis_reversed { -direction.y } else { direction.y },
+            direction.dot(normal),
+        );
+        let a = ((azimuth.abs() / PI * self.azimuths() as f64) as usize).min(self.azimuths() - 1);
+        self.cell(light.tilt, a, self.surface.exit.cell(&local))
+    }
+
+    /// f* in a cell per fraction of the flux of all light of the tilt's cell that leaves through it, 1/sr: radiance of the
+    /// cell over irradiance normal to the beam, for flux 2R cos ψ per length of yarn and both mirror images of the
+    /// cell, 2 RΔφ long.
     pub fn radiance_factor_per_fraction(&self, tilt: usize, exit: usize) -> f64 {
         let width = TAU / self.surface.azimuths as f64;
-        self.tilt(tilt).cos() / (width * self.surface.exit.projected_solid_angle(exit))
+        self.mean_cosine(tilt) / (width * self.surface.exit.projected_solid_angle(exit))
+    }
+
+    /// f* in a cell per ∫∫ (fraction of the flux on a patch that leaves through it) cos α dω, 1/sr: the sum of the BSSRDF
+    /// over the lit surface, mean over the tilts of the cell. α is the light's azimuth from the patch's normal, and ω runs over
+    /// the whole hemisphere of the patch, which holds each tilt twice.
+    pub(super) fn radiance_factor_per_light(&self, exit: usize) -> f64 {
+        let width = TAU / self.surface.azimuths as f64;
+        let tilt_width = FRAC_PI_2 / self.tilts as f64;
+        0.25 / (tilt_width * width * self.surface.exit.projected_solid_angle(exit))
     }
 
     /// Multilinear interpolation at a local direction (tangent, axis, normal) towards the light, anywhere on the sphere,
@@ -78,7 +118,7 @@ impl RadianceFactorGrid {
             // Below the first node lies its own mirror image.
             let mirror_axis = axis_reversed != (k < 0.0);
             let node = (k.max(0.0) as usize).min(self.tilts - 1);
-            let weight_k = weight_k * cos_tilt / self.tilt(node).cos();
+            let weight_k = weight_k * cos_tilt / self.mean_cosine(node);
             for (a, weight_a) in [(near, 1.0 - wa), (near + 1.0, wa)] {
                 let beyond = a < 0.0 || a >= self.azimuths() as f64;
                 let mirror_tangent = tangent_reversed != beyond;
@@ -152,66 +192,14 @@ impl WeightTally {
     }
 }
 
-/// f* per batch, cell and wavelength, 1/sr: radiance per irradiance **normal to the beam**. No cosine is owed when
-/// shading with it. The ballistic part is not in it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RadianceFactorTable {
-    pub(super) grid: RadianceFactorGrid,
-    pub(super) wavelengths: usize,
-    /// One table a batch, wavelength fastest.
-    pub(super) batches: Vec<Vec<f64>>,
-}
-
-impl RadianceFactorTable {
-    pub(super) fn zeros(grid: RadianceFactorGrid, wavelengths: usize, batches: usize) -> Self {
-        Self {
-            grid,
-            wavelengths,
-            batches: vec![vec![0.0; grid.cells() * wavelengths]; batches],
-        }
-    }
-
-    pub fn grid(&self) -> &RadianceFactorGrid {
-        &self.grid
-    }
-
-    pub fn batches(&self) -> usize {
-        self.batches.len()
-    }
-
-    /// Value of one batch.
-    pub fn value(&self, batch: usize, cell: usize, wavelength: usize) -> f64 {
-        self.batches[batch][cell * self.wavelengths + wavelength]
-    }
-
-    /// Mean over batches and its standard error.
-    pub fn estimate(&self, cell: usize, wavelength: usize) -> (f64, f64) {
-        let n = self.batches.len() as f64;
-        let mean = (0..self.batches.len())
-            .map(|b| self.value(b, cell, wavelength))
-            .sum::<f64>()
-            / n;
-        let square = (0..self.batches.len())
-            .map(|b| (self.value(b, cell, wavelength) - mean).powi(2))
-            .sum::<f64>();
-        (mean, (square / (n * (n - 1.0))).sqrt())
-    }
-
-    /// Values of one batch, wavelength fastest.
-    pub fn batch(&self, batch: usize) -> &[f64] {
-        &self.batches[batch]
-    }
-
-    /// Fraction of the beam's flux the table says is scattered, one batch: ∫∫ f* cosθ dω dB over the flux.
-    pub fn scattered(&self, batch: usize, tilt: usize, wavelength: usize) -> f64 {
-        let exit = self.grid.surface.exit;
-        let mut sum = 0.0;
-        for azimuth in 0..self.grid.azimuths() {
-            for e in 0..exit.cells() {
-                sum += self.value(batch, self.grid.cell(tilt, azimuth, e), wavelength)
-                    / self.grid.radiance_factor_per_fraction(tilt, e);
-            }
-        }
-        sum
-    }
+/// Where a path's light stands about the yarn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LightSide {
+    /// Unit vector towards it in the plane across the yarn.
+    pub x: f64,
+    pub z: f64,
+    /// Its tilt cell.
+    pub tilt: usize,
+    /// It comes from −y.
+    pub axis_reversed: bool,
 }

@@ -1,0 +1,77 @@
+/// A mean and its standard error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Estimate {
+    pub value: f64,
+    pub se: f64,
+}
+
+impl Estimate {
+    /// Mean of equally weighted batches, summed in their order, and the standard error of that mean; 0 for one batch.
+    pub fn from_batches(batches: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
+        let n = batches.len() as f64;
+        let value = batches.clone().sum::<f64>() / n;
+        let square: f64 = batches.map(|x| (x - value) * (x - value)).sum();
+        Self {
+            value,
+            se: if n > 1.0 { (square / (n * (n - 1.0))).sqrt() } else { 0.0 },
+        }
+    }
+}
+
+/// Many values of which only the sums over batches are kept: Σ x and Σ x², whatever the number of batches. Batches are
+/// added in their order, so that the same batches give the same bits.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BatchSums {
+    pub batches: u64,
+    pub sum: Vec<f64>,
+    pub square: Vec<f64>,
+}
+
+impl BatchSums {
+    pub fn zeros(values: usize) -> Self {
+        Self {
+            batches: 0,
+            sum: vec![0.0; values],
+            square: vec![0.0; values],
+        }
+    }
+
+    /// Adds one batch, as many values as there are.
+    pub fn add(&mut self, batch: &[f64]) {
+        self.batches += 1;
+        for ((sum, square), x) in self.sum.iter_mut().zip(&mut self.square).zip(batch) {
+            *sum += x;
+            *square += x * x;
+        }
+    }
+
+    /// Mean of value i and its standard error, 0 for one batch.
+    pub fn estimate(&self, i: usize) -> Estimate {
+        let n = self.batches as f64;
+        let value = self.sum[i] / n;
+        let spread = (self.square[i] / n - value * value).max(0.0);
+        Estimate {
+            value,
+            se: if n > 1.0 { (spread / (n - 1.0)).sqrt() } else { 0.0 },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn kept_and_summed_batches_agree() {
+        let batches = [1.0, 2.0, 6.0];
+        let kept = Estimate::from_batches(batches.iter().copied());
+        let mut sums = BatchSums::zeros(2);
+        batches.iter().for_each(|&x| sums.add(&[x, 5.0]));
+        assert_relative_eq!(kept.value, 3.0);
+        assert_relative_eq!(kept.se, (14.0f64 / 6.0).sqrt(), epsilon = 1e-15);
+        assert_relative_eq!(sums.estimate(0).value, kept.value, epsilon = 1e-15);
+        assert_relative_eq!(sums.estimate(0).se, kept.se, epsilon = 1e-14);
+        assert_eq!(sums.estimate(1), Estimate { value: 5.0, se: 0.0 });
+    }
+}
