@@ -62,10 +62,7 @@ impl Writer {
         // JSON too deep to be read back must fail now, not after the run.
         Head::parse(&lines[magic..]).map_err(|found| undeclared("a header that can be read back".into(), found))?;
         let place = resolve(&path)?;
-        let not_writable = |cause| ArtefactError::NotWritable {
-            path: path.clone(),
-            cause,
-        };
+        let not_writable = not_writable(&path);
         let (file, partial) = Partial::create(&place).map_err(not_writable)?;
         let mut output = BufWriter::with_capacity(BUFFER, Hashed::new(file));
         output.write_all(&lines).map_err(not_writable)?;
@@ -118,10 +115,10 @@ impl Writer {
         let (mut file, checksum) = hashed.finish();
         file.write_all(&checksum)
             .and_then(|()| file.sync_all())
-            .map_err(&not_writable)?;
+            .map_err(not_writable)?;
         drop(file);
-        self.partial.move_to(&self.place).map_err(&not_writable)?;
-        sync_folder(&self.place).map_err(&not_writable)
+        self.partial.move_to(&self.place).map_err(not_writable)?;
+        sync_folder(&self.place).map_err(not_writable)
     }
 
     /// Moves on to this array if its turn has come.
@@ -169,10 +166,9 @@ impl Writer {
     }
 }
 
-fn not_writable(path: &Path) -> impl Fn(io::Error) -> ArtefactError + use<> {
-    let path = path.to_owned();
-    move |cause| ArtefactError::NotWritable {
-        path: path.clone(),
+fn not_writable(path: &Path) -> impl Fn(io::Error) -> ArtefactError + Copy + '_ {
+    |cause| ArtefactError::NotWritable {
+        path: path.to_owned(),
         cause,
     }
 }
