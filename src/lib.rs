@@ -3,6 +3,7 @@
 //! Data flows one way: spectra → medium → yarn → radiance factor → cloth → rig → colour → comparison → report.
 //! A module uses the ones listed before it and never one listed after it.
 
+pub mod artefact;
 pub mod cloth;
 pub mod colour;
 pub mod compare;

@@ -1,0 +1,105 @@
+use super::layout::FORMAT_VERSION;
+use super::{Difference, Kind};
+use std::io;
+use std::path::PathBuf;
+
+/// Why a file was not written, or not taken.
+#[derive(Debug, thiserror::Error)]
+pub enum ArtefactError {
+    #[error("{}: cannot be read; name a file that is there and that you may read", path.display())]
+    NotReadable {
+        path: PathBuf,
+        #[source]
+        cause: io::Error,
+    },
+    /// What stood there before is untouched.
+    #[error("{}: cannot be written; name a place you may write to, or mend its permissions and free space", path.display())]
+    NotWritable {
+        path: PathBuf,
+        #[source]
+        cause: io::Error,
+    },
+    #[error("{}: expected a file, found a folder or a device; name a file", path.display())]
+    NotAFile { path: PathBuf },
+    /// It does not begin like a file of this program.
+    #[error("{}: expected {expected} of specval, found {found}; name a file that specval wrote", path.display())]
+    NotOurs {
+        path: PathBuf,
+        expected: Kind,
+        /// How it begins.
+        found: String,
+    },
+    #[error("{}: expected {expected}, found {found}; name {expected}", path.display())]
+    OtherKind { path: PathBuf, expected: Kind, found: Kind },
+    #[error(
+        "{}: expected {kind} of format version {FORMAT_VERSION}, found version {found}; use the specval that wrote it, or {}",
+        path.display(), kind.remedy()
+    )]
+    OtherVersion { path: PathBuf, kind: Kind, found: u64 },
+    /// Cut short, or something was added to it.
+    #[error(
+        "{}: expected {kind} of {expected} bytes, found {found} bytes; take a whole copy, or {}",
+        path.display(), kind.remedy()
+    )]
+    Size {
+        path: PathBuf,
+        kind: Kind,
+        expected: u64,
+        found: u64,
+    },
+    #[error("{}: expected {kind} as it was written, found {found}; take a sound copy, or {}", path.display(), kind.remedy())]
+    Damaged { path: PathBuf, kind: Kind, found: String },
+    /// Of another study, seed or program version.
+    #[error("{}", foreign(path, *kind, differences))]
+    Foreign {
+        path: PathBuf,
+        kind: Kind,
+        differences: Vec<Difference>,
+    },
+    /// The file is sound, and holds something else than was asked for.
+    #[error("{}: array `{array}`: expected {expected}, found {found}; {}", path.display(), kind.remedy())]
+    Array {
+        path: PathBuf,
+        kind: Kind,
+        array: String,
+        expected: String,
+        found: String,
+    },
+    /// What was handed over to be written does not fit what was declared. What stood there before is untouched.
+    #[error("{}: not written: expected {expected}, found {found}", path.display())]
+    Undeclared {
+        path: PathBuf,
+        expected: String,
+        found: String,
+    },
+    #[error("the identity of a run: expected {expected}, found {found}")]
+    Identity { expected: &'static str, found: String },
+}
+
+/// Differences named in a message; the rest is counted.
+const NAMED: usize = 4;
+
+/// Characters of a value in a message.
+const SHOWN: usize = 60;
+
+fn foreign(path: &std::path::Path, kind: Kind, differences: &[Difference]) -> String {
+    let short = |value: &str| match value.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &value[..end]),
+        None => value.to_owned(),
+    };
+    let named: Vec<String> = differences
+        .iter()
+        .take(NAMED)
+        .map(|d| format!("`{}`: expected {}, found {}", d.key, short(&d.here), short(&d.there)))
+        .collect();
+    let more = match differences.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!("; and {more} more"),
+    };
+    format!(
+        "{}: {kind} of another run: {}{more}; use the study, options and specval that made it, or {}",
+        path.display(),
+        named.join("; "),
+        kind.remedy()
+    )
+}
