@@ -29,7 +29,7 @@ impl CameraBatch {
         let mut seen: Vec<(usize, f64, FactorWeights)> = views
             .par_iter()
             .map_init(
-                || WeightTally::new(&plan.factor_grid),
+                || WeightTally::new(plan.factor_grid),
                 |tally, (stream, at_view)| see(plan, *stream, at_view, batch, tally),
             )
             .flatten_iter()
@@ -85,8 +85,7 @@ fn see(
             let (omega_in, _) = directions(plan, geometry);
             for (point, seen) in &points {
                 if let Some(light) = point.light(&plan.cloth, &omega_in) {
-                    plan.factor_grid
-                        .weights(&light, seen, |cell, weight| tally.add(cell, weight));
+                    tally.add(&light, seen);
                 }
             }
             (place, geometry.theta_i_deg.to_radians().cos(), tally.drain(share))
