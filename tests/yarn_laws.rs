@@ -5,8 +5,8 @@ use specval::optics::{Interference, Medium, MediumSpec};
 use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::transport::{Cylinder, LedgerEntry, Roulette};
 use specval::yarn::{
-    BssrdfRun, Effort, IncidentGrid, RadianceFactorGrid, RadianceFactorTable, SurfaceGrid, Yarn, trace_bssrdf,
-    trace_direct,
+    BssrdfRun, Effort, IncidentGrid, RadianceFactorGrid, RadianceFactorTable, SurfaceGrid, WeightTally, Yarn,
+    trace_bssrdf, trace_direct,
 };
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
@@ -238,6 +238,7 @@ fn bits_do_not_depend_on_threads() {
 fn interpolation_weights_are_exact_at_nodes_and_mirror() {
     let surface = SurfaceGrid::new(36, 6, 12).unwrap();
     let grid = RadianceFactorGrid::new(5, surface).unwrap();
+    let mut tally = WeightTally::new(grid);
     for (tilt, azimuth, exit) in [(0, 0, 0), (2, 7, 33), (4, 17, 71)] {
         let psi = grid.tilt(tilt);
         let phi = (azimuth as f64 + 0.5) * std::f64::consts::PI / 18.0;
@@ -249,15 +250,12 @@ fn interpolation_weights_are_exact_at_nodes_and_mirror() {
                 phi.cos() * psi.cos(),
             );
             let view = nalgebra::Vector3::new(seen.x * mirror_tangent, seen.y * mirror_axis, seen.z);
-            let mut here = 0.0;
-            let mut elsewhere = 0.0;
-            grid.weights(&light, &surface.exit().bilinear(&view), |cell, weight| {
-                if cell == grid.cell(tilt, azimuth, exit) {
-                    here += weight;
-                } else {
-                    elsewhere += weight.abs();
-                }
-            });
+            tally.add(&light, &surface.exit().bilinear(&view));
+            let weights = tally.drain(1.0);
+            let mut here = vec![0.0; grid.cells()];
+            here[grid.cell(tilt, azimuth, exit)] = 1.0;
+            let elsewhere: Vec<f64> = here.iter().map(|h| 1.0 - h).collect();
+            let [here, elsewhere] = [here, elsewhere].map(|table| weights.contract(&table, 1)[0]);
             assert!((here - 1.0).abs() < 1e-9 && elsewhere < 1e-9, "{here} {elsewhere}");
         }
     }

@@ -16,7 +16,7 @@ pub use scene::{Cloth, Hit, YarnId};
 use std::fmt;
 
 /// The two systems of yarns of a weave.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum System {
     /// Along x.
     Warp,

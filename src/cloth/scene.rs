@@ -21,8 +21,12 @@ const SEAM: f64 = 1e-9;
 /// inside the cell: four roundings of 6e-8.
 const BOX_MARGIN: f64 = 5e-7;
 
+/// In place of a yarn's number: facets of several, and none at all.
+const SEVERAL_YARNS: u32 = u32::MAX;
+const NO_YARN: u32 = u32::MAX - 1;
+
 /// One physical yarn of the endless cloth. A yarn is the same all along itself; its copy one cell sideways is another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct YarnId {
     pub system: System,
     /// Place in the draft's repeat.
@@ -60,11 +64,14 @@ struct Facet {
 /// Node of the hierarchy in depth-first order: a ray that meets the box goes on at the next node, any other at `skip`.
 /// Boxes are in single precision, widened by [`BOX_MARGIN`]: half the memory to walk through.
 struct Node {
-    low: [f32; 3],
-    high: [f32; 3],
+    /// Planes of the box that a ray of the node's octant meets first, and last.
+    near: [f32; 3],
+    far: [f32; 3],
     skip: u32,
     /// `u32::MAX` in an inner node.
     facet: u32,
+    /// Place in [`Cloth::yarns`] of the one yarn whose facets are below, or `u32::MAX` for several.
+    yarn: u32,
 }
 
 /// Tube surface of an endless woven cloth.
@@ -75,6 +82,8 @@ pub struct Cloth {
     slab_mm: [f64; 2],
     vertices: Vec<Vertex>,
     facets: Vec<Facet>,
+    /// Yarns of the cell, sorted.
+    yarns: Vec<YarnId>,
     /// The hierarchy, once for each octant of directions: [`octant`] of a ray picks the order that meets near facets
     /// first, so that their distances prune the rest.
     orders: [Vec<Node>; 8],
@@ -103,7 +112,10 @@ impl Cloth {
         ];
         let top_mm = (warps[0].crest_mm() + spec.warp_radius_mm).max(wefts[0].crest_mm() + spec.weft_radius_mm);
         let facets = facets_of_cell(&mesh, cell_mm);
-        let orders = hierarchy(&facets);
+        let mut yarns: Vec<YarnId> = facets.iter().map(|facet| facet.yarn).collect();
+        yarns.sort_unstable();
+        yarns.dedup();
+        let orders = hierarchy(&facets, &yarns);
         let slab_mm = mesh
             .vertices
             .iter()
@@ -116,6 +128,7 @@ impl Cloth {
             slab_mm,
             vertices: mesh.vertices,
             facets,
+            yarns,
             orders,
         })
     }
@@ -135,7 +148,7 @@ impl Cloth {
         let mut found = None;
         self.walk(origin, direction, |ray, cell, limit| {
             let mut nearest = limit;
-            self.traverse(ray, &mut nearest, |facet, meeting, nearest| {
+            self.traverse(ray, None, &mut nearest, |facet, meeting, nearest| {
                 *nearest = meeting.distance;
                 found = Some((facet, meeting, cell));
                 ControlFlow::Continue(())
@@ -173,10 +186,7 @@ impl Cloth {
             let mut skip = skip;
             skip.lateral -= cell.lateral(skip.system);
             let mut limit = limit;
-            self.traverse(ray, &mut limit, |facet, _, _| {
-                if facet.yarn == skip {
-                    return ControlFlow::Continue(());
-                }
+            self.traverse(ray, Some(skip), &mut limit, |_, _, _| {
                 blocked = true;
                 ControlFlow::Break(())
             });
@@ -231,10 +241,11 @@ impl Cloth {
         }
     }
 
-    /// Calls `meet` for facets on the ray nearer than `limit`, which it may lower.
+    /// Calls `meet` for facets on the ray nearer than `limit`, which it may lower, but for those of yarn `skip`.
     fn traverse<'a>(
         &'a self,
         ray: &Ray,
+        skip: Option<YarnId>,
         limit: &mut f64,
         mut meet: impl FnMut(&'a Facet, Meeting, &mut f64) -> ControlFlow<()>,
     ) {
@@ -243,9 +254,13 @@ impl Cloth {
             origin: ray.origin.map(|x| x as f32).into(),
             inverse: ray.direction.map(|x| finite_inverse(x, 1e-30) as f32).into(),
         };
+        // One that is not in the cell is nowhere in the hierarchy.
+        let skip = skip
+            .and_then(|yarn| self.yarns.binary_search(&yarn).ok())
+            .map_or(NO_YARN, |place| place as u32);
         let mut at = 0;
         while let Some(node) = nodes.get(at) {
-            if !boxed.meets(node, *limit as f32) {
+            if node.yarn == skip || !boxed.meets(node, *limit as f32) {
                 at = node.skip as usize;
                 continue;
             }
@@ -327,7 +342,7 @@ impl BHShape<f64, 3> for BoxedFacet {
     }
 }
 
-fn hierarchy(facets: &[Facet]) -> [Vec<Node>; 8] {
+fn hierarchy(facets: &[Facet], yarns: &[YarnId]) -> [Vec<Node>; 8] {
     let mut shapes: Vec<BoxedFacet> = facets
         .iter()
         .map(|facet| {
@@ -341,19 +356,23 @@ fn hierarchy(facets: &[Facet]) -> [Vec<Node>; 8] {
         })
         .collect();
     let tree = Bvh::build(&mut shapes).nodes;
+    let owners: Vec<u32> = facets
+        .iter()
+        .map(|facet| yarns.partition_point(|yarn| yarn < &facet.yarn) as u32)
+        .collect();
     let everything = shapes.iter().fold(Aabb::empty(), |all, shape| all.join(&shape.bounds));
     let margin = BOX_MARGIN * everything.size().sum();
     std::array::from_fn(|octant| {
         let mut nodes = Vec::with_capacity(tree.len());
         let diagonal = Vec3::from_fn(|k, _| if octant >> k & 1 == 1 { -1.0 } else { 1.0 });
-        flatten(&tree, 0, &everything, &diagonal, margin, &mut nodes);
+        flatten(&tree, 0, &everything, &diagonal, margin, &owners, &mut nodes);
         nodes
     })
 }
 
-/// Which signs a direction has: bit k is set where component k is negative.
+/// Which signs a direction has: bit k is set where component k is negative, −0 included as in [`finite_inverse`].
 fn octant(direction: &Vec3) -> usize {
-    (0..3).map(|k| usize::from(direction[k] < 0.0) << k).sum()
+    (0..3).map(|k| usize::from(direction[k].is_sign_negative()) << k).sum()
 }
 
 /// Writes the subtree in depth-first order, of two children the one first that a ray along `direction` meets first.
@@ -363,17 +382,25 @@ fn flatten(
     bounds: &Aabb<f64, 3>,
     direction: &Vec3,
     margin: f64,
+    owners: &[u32],
     nodes: &mut Vec<Node>,
 ) {
     let place = nodes.len();
+    let low = [0, 1, 2].map(|k| (bounds.min[k] - margin) as f32);
+    let high = [0, 1, 2].map(|k| (bounds.max[k] + margin) as f32);
+    let pick = |k: usize, first: bool| if (direction[k] > 0.0) == first { low[k] } else { high[k] };
     nodes.push(Node {
-        low: [0, 1, 2].map(|k| (bounds.min[k] - margin) as f32),
-        high: [0, 1, 2].map(|k| (bounds.max[k] + margin) as f32),
+        near: [0, 1, 2].map(|k| pick(k, true)),
+        far: [0, 1, 2].map(|k| pick(k, false)),
         skip: 0,
         facet: u32::MAX,
+        yarn: SEVERAL_YARNS,
     });
     match &tree[at] {
-        BvhNode::Leaf { shape_index, .. } => nodes[place].facet = *shape_index as u32,
+        BvhNode::Leaf { shape_index, .. } => {
+            nodes[place].facet = *shape_index as u32;
+            nodes[place].yarn = owners[*shape_index];
+        }
         BvhNode::Node {
             child_l_index,
             child_l_aabb,
@@ -385,8 +412,13 @@ fn flatten(
             if (child_r_aabb.center() - child_l_aabb.center()).dot(direction) < 0.0 {
                 children.reverse();
             }
-            for (child, child_bounds) in children {
-                flatten(tree, child, child_bounds, direction, margin, nodes);
+            let below = children.map(|(child, child_bounds)| {
+                let start = nodes.len();
+                flatten(tree, child, child_bounds, direction, margin, owners, nodes);
+                nodes[start].yarn
+            });
+            if below[0] == below[1] {
+                nodes[place].yarn = below[0];
             }
         }
     }
@@ -438,9 +470,8 @@ impl BoxRay {
     fn meets(&self, node: &Node, limit: f32) -> bool {
         let (mut near, mut far) = (0.0, limit);
         for k in 0..3 {
-            let a = (node.low[k] - self.origin[k]) * self.inverse[k];
-            let b = (node.high[k] - self.origin[k]) * self.inverse[k];
-            let (first, last) = if a < b { (a, b) } else { (b, a) };
+            let first = (node.near[k] - self.origin[k]) * self.inverse[k];
+            let last = (node.far[k] - self.origin[k]) * self.inverse[k];
             near = if first > near { first } else { near };
             far = if last < far { last } else { far };
         }
@@ -449,31 +480,36 @@ impl BoxRay {
 }
 
 impl Ray {
-    /// Nearer meeting with the facet's two triangles, from either side, in [0, limit].
-    fn meets_facet(&self, corners: &[Vec3; 4], limit: f64) -> Option<Meeting> {
-        let first = self.meets_triangle(corners, [0, 1, 2], limit);
-        let limit = first.as_ref().map_or(limit, |m| m.distance);
-        self.meets_triangle(corners, [0, 2, 3], limit).or(first)
-    }
-
-    /// T. Möller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", J. Graphics Tools 2 (1997) 21.
-    fn meets_triangle(&self, corners: &[Vec3; 4], which: [usize; 3], limit: f64) -> Option<Meeting> {
-        let a = corners[which[0]];
-        let ab = corners[which[1]] - a;
-        let ac = corners[which[2]] - a;
-        let p = self.direction.cross(&ac);
-        let inverse = 1.0 / ab.dot(&p);
+    /// Nearest meeting with the facet's two triangles, (a, b, c) and (a, d, c), from either side, in [0, limit].
+    /// T. Möller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", J. Graphics Tools 2 (1997) 21; what
+    /// belongs to the diagonal a–c serves both triangles.
+    fn meets_facet(&self, corners: &[Vec3; 4], mut limit: f64) -> Option<Meeting> {
+        let a = corners[0];
+        let ac = corners[2] - a;
         let from_a = self.origin - a;
-        let b_weight = from_a.dot(&p) * inverse;
-        let q = from_a.cross(&ab);
-        let c_weight = self.direction.dot(&q) * inverse;
-        let distance = ac.dot(&q) * inverse;
-        // An edge-on triangle has a zero determinant: its weights are infinite or NaN and fail here.
-        (b_weight >= 0.0 && c_weight >= 0.0 && b_weight + c_weight <= 1.0 && distance >= 0.0 && distance <= limit)
-            .then_some(Meeting {
-                distance,
-                corners: which,
-                weights: [b_weight, c_weight],
-            })
+        let p = self.direction.cross(&ac);
+        let beside = from_a.dot(&p);
+        let mut found = None;
+        for third in [1, 3] {
+            let edge = corners[third] - a;
+            let inverse = 1.0 / edge.dot(&p);
+            let third_weight = beside * inverse;
+            // An edge-on triangle has a zero determinant: its weights are infinite or NaN and fail here.
+            if !(0.0..=1.0).contains(&third_weight) {
+                continue;
+            }
+            let q = from_a.cross(&edge);
+            let c_weight = self.direction.dot(&q) * inverse;
+            let distance = ac.dot(&q) * inverse;
+            if c_weight >= 0.0 && third_weight + c_weight <= 1.0 && distance >= 0.0 && distance <= limit {
+                limit = distance;
+                found = Some(Meeting {
+                    distance,
+                    corners: [0, third, 2],
+                    weights: [third_weight, c_weight],
+                });
+            }
+        }
+        found
     }
 }

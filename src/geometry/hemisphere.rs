@@ -89,13 +89,12 @@ impl HemisphereGrid {
         ];
         let in_tangent = |j: usize| wrap(n + n / 2 - 1 - j);
         let in_axis = |j: usize| n - 1 - j;
-        let cells = |mirror: &dyn Fn(usize) -> usize| places.map(|(i, j)| i * n + mirror(j));
         Bilinear {
             cells: [
-                cells(&|j| j),
-                cells(&in_tangent),
-                cells(&in_axis),
-                cells(&|j| in_axis(in_tangent(j))),
+                places.map(|(i, j)| i * n + j),
+                places.map(|(i, j)| i * n + in_tangent(j)),
+                places.map(|(i, j)| i * n + in_axis(j)),
+                places.map(|(i, j)| i * n + in_axis(in_tangent(j))),
             ],
             weights: [(1.0 - wi) * (1.0 - wj), (1.0 - wi) * wj, wi * (1.0 - wj), wi * wj],
         }

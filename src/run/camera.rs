@@ -29,7 +29,7 @@ impl CameraBatch {
         let mut seen: Vec<(usize, f64, FactorWeights)> = views
             .par_iter()
             .map_init(
-                || WeightTally::new(&plan.factor_grid),
+                || WeightTally::new(plan.factor_grid),
                 |tally, (stream, at_view)| see(plan, *stream, at_view, batch, tally),
             )
             .flatten_iter()
@@ -85,11 +85,56 @@ fn see(
             let (omega_in, _) = directions(plan, geometry);
             for (point, seen) in &points {
                 if let Some(light) = point.light(&plan.cloth, &omega_in) {
-                    plan.factor_grid
-                        .weights(&light, seen, |cell, weight| tally.add(cell, weight));
+                    tally.add(&light, seen);
                 }
             }
             (place, geometry.theta_i_deg.to_radians().cos(), tally.drain(share))
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+
+    #[test]
+    fn a_view_has_the_same_rays_whatever_else_the_rig_measures() {
+        let mut study = Study::default();
+        study.rig.pixels_per_side = 6;
+        let plan = Plan::new(study).unwrap();
+        let geometry = |theta_i_deg, theta_v_deg| Geometry {
+            theta_i_deg,
+            theta_v_deg,
+        };
+        let all = [geometry(30.0, 50.0), geometry(0.0, -20.0), geometry(60.0, 50.0)];
+        let together = CameraBatch::trace(&plan, &all, 3);
+        for (place, alone) in all.iter().enumerate() {
+            let alone = CameraBatch::trace(&plan, std::slice::from_ref(alone), 3);
+            assert!(together.geometries[place] == alone.geometries[0], "{place}");
+        }
+        assert!(together.geometries != CameraBatch::trace(&plan, &all, 4).geometries);
+    }
+
+    /// f* = 1 everywhere at one wavelength and 2 at another gives β = π times the part of the cell seen and lit, or somewhat
+    /// more where the cosine of the tilt is interpolated, and twice that.
+    #[test]
+    fn wavelengths_do_not_mix() {
+        let plan = Plan::new(Study::default()).unwrap();
+        let normal = Geometry {
+            theta_i_deg: 0.0,
+            theta_v_deg: 0.0,
+        };
+        let camera = CameraBatch::trace(&plan, &[normal], 0);
+        let wavelengths = plan.grid.len();
+        let mut table = vec![0.0; plan.factor_grid.cells() * wavelengths];
+        table.chunks_exact_mut(wavelengths).for_each(|row| {
+            row[4] = 1.0;
+            row[9] = 2.0;
+        });
+        let beta = &camera.shade(&table)[0];
+        // The plain weave at 1.8 diameters covers 0.802 of the cell, 2.52 / π, and what is seen from the light is lit.
+        assert!((2.4..2.6).contains(&beta[4]) && beta[9] == 2.0 * beta[4]);
+        assert_eq!(beta.iter().filter(|b| **b != 0.0).count(), 2);
+    }
 }

@@ -98,39 +98,6 @@ impl RadianceFactorGrid {
         let tilt_width = FRAC_PI_2 / self.tilts as f64;
         0.25 / (tilt_width * width * self.surface.exit.projected_solid_angle(exit))
     }
-
-    /// Multilinear interpolation at a local direction (tangent, axis, normal) towards the light, anywhere on the sphere,
-    /// and one towards the viewer, `seen` on the exit grid: calls `add(cell, weight)` so that f* = Σ weight · table.
-    /// Between tilts, f*/cos ψ is what is linear.
-    #[inline]
-    pub fn weights(&self, omega_in: &Vec3, seen: &Bilinear, mut add: impl FnMut(usize, f64)) {
-        let sin_tilt = omega_in.y.abs().min(1.0);
-        let axis_reversed = omega_in.y < 0.0;
-        // Azimuth of the point as seen from the light.
-        let azimuth = -omega_in.x.atan2(omega_in.z);
-        let tangent_reversed = azimuth < 0.0;
-        let steps = sin_tilt.asin() / FRAC_PI_2 * self.tilts as f64 - 0.5;
-        let turns = azimuth.abs() / PI * self.azimuths() as f64 - 0.5;
-        let cos_tilt = (1.0 - sin_tilt * sin_tilt).sqrt();
-        let (low, wt) = (steps.floor(), steps - steps.floor());
-        let (near, wa) = (turns.floor(), turns - turns.floor());
-        for (k, weight_k) in [(low, 1.0 - wt), (low + 1.0, wt)] {
-            // Below the first node lies its own mirror image.
-            let mirror_axis = axis_reversed != (k < 0.0);
-            let node = (k.max(0.0) as usize).min(self.tilts - 1);
-            let weight_k = weight_k * cos_tilt / self.mean_cosine(node);
-            for (a, weight_a) in [(near, 1.0 - wa), (near + 1.0, wa)] {
-                let beyond = a < 0.0 || a >= self.azimuths() as f64;
-                let mirror_tangent = tangent_reversed != beyond;
-                let cell = (a.max(0.0) as usize).min(self.azimuths() - 1);
-                let row = self.cell(node, cell, 0);
-                let weight = weight_k * weight_a;
-                for (exit, weight_e) in zip(seen.cells(mirror_tangent, mirror_axis), seen.weights()) {
-                    add(row + exit, weight * weight_e);
-                }
-            }
-        }
-    }
 }
 
 /// Weights of the cells of a radiance factor table whose weighted sum is a mean of f* over many pairs of directions.
@@ -154,25 +121,60 @@ impl FactorWeights {
     }
 }
 
-/// Adds weights up cell by cell.
+/// Adds up, cell by cell, the weights of the multilinear interpolation of f* at pairs of directions.
 pub struct WeightTally {
+    grid: RadianceFactorGrid,
+    /// 1/cos ψ of the grid's tilts.
+    tilt_secants: Vec<f64>,
     weights: Vec<f64>,
     /// A bit for each cell that was added to.
     touched: Vec<u64>,
 }
 
 impl WeightTally {
-    pub fn new(grid: &RadianceFactorGrid) -> Self {
+    pub fn new(grid: RadianceFactorGrid) -> Self {
         Self {
+            grid,
+            tilt_secants: (0..grid.tilts()).map(|k| 1.0 / grid.mean_cosine(k)).collect(),
             weights: vec![0.0; grid.cells()],
             touched: vec![0; grid.cells().div_ceil(64)],
         }
     }
 
+    /// Adds weights such that f* = Σ weight · table at a local direction (tangent, axis, normal) towards the light,
+    /// anywhere on the sphere, and one towards the viewer, `seen` on the exit grid. Between tilts, f*/cos ψ is what is
+    /// linear.
     #[inline]
-    pub fn add(&mut self, cell: usize, weight: f64) {
-        self.weights[cell] += weight;
-        self.touched[cell / 64] |= 1 << (cell % 64);
+    pub fn add(&mut self, omega_in: &Vec3, seen: &Bilinear) {
+        let sin_tilt = omega_in.y.abs().min(1.0);
+        let axis_reversed = omega_in.y < 0.0;
+        // Azimuth of the point as seen from the light.
+        let azimuth = -omega_in.x.atan2(omega_in.z);
+        let tangent_reversed = azimuth < 0.0;
+        // Places between the nodes, counted from one before the first.
+        let (tilts, azimuths) = (self.grid.tilts(), self.grid.azimuths());
+        let steps = sin_tilt.asin() / FRAC_PI_2 * tilts as f64 + 0.5;
+        let turns = azimuth.abs() / PI * azimuths as f64 + 0.5;
+        let cos_tilt = (1.0 - sin_tilt * sin_tilt).sqrt();
+        let (low, near) = (steps as usize, turns as usize);
+        let (wt, wa) = (steps - low as f64, turns - near as f64);
+        for (k, weight_k) in [(low, 1.0 - wt), (low + 1, wt)] {
+            // Below the first node lies its own mirror image.
+            let mirror_axis = axis_reversed != (k == 0);
+            let node = k.clamp(1, tilts) - 1;
+            let weight_k = weight_k * cos_tilt * self.tilt_secants[node];
+            for (a, weight_a) in [(near, 1.0 - wa), (near + 1, wa)] {
+                let beyond = a == 0 || a > azimuths;
+                let mirror_tangent = tangent_reversed != beyond;
+                let row = self.grid.cell(node, a.clamp(1, azimuths) - 1, 0);
+                let weight = weight_k * weight_a;
+                for (exit, weight_e) in zip(seen.cells(mirror_tangent, mirror_axis), seen.weights()) {
+                    let cell = row + exit;
+                    self.weights[cell] += weight * weight_e;
+                    self.touched[cell / 64] |= 1 << (cell % 64);
+                }
+            }
+        }
     }
 
     /// The sums times `factor`; leaves the tally empty.
