@@ -14,7 +14,10 @@ pub(super) struct Angle {
 #[derive(Clone, Debug)]
 pub(super) enum Angles<'a> {
     /// Tables on the same nodes: Walker's alias method chooses the interval, whose linear density is then inverted.
-    Tables { intervals: usize, columns: Vec<Column> },
+    Tables {
+        intervals: usize,
+        columns: Vec<Column>,
+    },
     Functions(Vec<&'a Phase>),
 }
 

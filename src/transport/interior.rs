@@ -139,8 +139,7 @@ impl<'a> Interior<'a> {
             }
             Density::Functions(functions) => {
                 let places = share.iter_mut().zip(functions);
-                places
-                    .for_each(|(share, (phase, factor))| *share *= factor * phase.pdf(angle.cos_theta));
+                places.for_each(|(share, (phase, factor))| *share *= factor * phase.pdf(angle.cos_theta));
             }
         }
     }

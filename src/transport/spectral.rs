@@ -92,14 +92,7 @@ impl Spectral {
     /// Works out `weights`, what the path carries at each wavelength after `since_mm` more, counts what was absorbed, and
     /// returns the largest weight. `common` is what Fresnel and roulette have left.
     #[inline(always)]
-    pub fn evaluate(
-        &mut self,
-        interior: &Interior<'_>,
-        lane: usize,
-        hero: usize,
-        common: f64,
-        since_mm: f64,
-    ) -> f64 {
+    pub fn evaluate(&mut self, interior: &Interior<'_>, lane: usize, hero: usize, common: f64, since_mm: f64) -> f64 {
         let row = lane * self.width..(lane + 1) * self.width;
         let share = &mut self.share[row.clone()];
         let [factor, product] = &mut self.scratch;
@@ -125,7 +118,11 @@ impl Spectral {
     /// Lets a part of the weights out; they are then what left.
     #[inline(always)]
     pub fn leave(&mut self, transmittance: f64, scattered: bool) {
-        let sums = if scattered { &mut self.scattered } else { &mut self.ballistic };
+        let sums = if scattered {
+            &mut self.scattered
+        } else {
+            &mut self.ballistic
+        };
         let_out(sums, &mut self.weights, transmittance);
     }
 

@@ -264,7 +264,11 @@ where
         self.hero_paths += 1;
         if self.hero_paths == PATHS_OF_A_HERO {
             self.hero_paths = 0;
-            self.next_hero = if hero + 1 == interior.wavelengths() { 0 } else { hero + 1 };
+            self.next_hero = if hero + 1 == interior.wavelengths() {
+                0
+            } else {
+                hero + 1
+            };
         }
         let of = &self.entrance;
         self.reflected += of.reflectance[place];
