@@ -1,4 +1,3 @@
-use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
@@ -15,13 +14,23 @@ pub struct StopRule {
 }
 
 /// Which part of the rule ended a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoppedBy {
     /// Every batch, hence every path, that was allowed.
     Paths,
     Precision,
     Time,
+}
+
+impl StoppedBy {
+    /// As reports and artefacts say it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Paths => "paths",
+            Self::Precision => "precision",
+            Self::Time => "time",
+        }
+    }
 }
 
 impl StopRule {
@@ -92,6 +101,13 @@ impl Tolerance {
         }
     }
 
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Relative(_) => "rel",
+            Self::Absolute(_) => "abs",
+        }
+    }
+
     /// A standard error as the tolerance counts it. No value at all (0) is known with no relative error only if it has
     /// none.
     pub fn error(&self, value: f64, se: f64) -> f64 {
@@ -110,6 +126,15 @@ pub enum Watched {
     Curves,
     /// BLUE/RED and GREEN/RED of the model in Table 1.
     Ratios,
+}
+
+impl Watched {
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Curves => "curves",
+            Self::Ratios => "ratios",
+        }
+    }
 }
 
 /// A precision that cannot be understood.
@@ -160,27 +185,15 @@ impl FromStr for Precision {
     }
 }
 
-impl fmt::Display for Tolerance {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Relative(size) => write!(f, "rel {size}"),
-            Self::Absolute(size) => write!(f, "abs {size}"),
-        }
-    }
-}
-
-impl fmt::Display for Watched {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Curves => "curves",
-            Self::Ratios => "ratios",
-        })
-    }
-}
-
 /// In the words it is read from.
 impl fmt::Display for Precision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.tolerance, self.of)
+        write!(
+            f,
+            "{} {} {}",
+            self.tolerance.word(),
+            self.tolerance.size(),
+            self.of.word()
+        )
     }
 }
