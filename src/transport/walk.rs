@@ -53,8 +53,10 @@ const REFLECTIONS_IN_A_ROW: u32 = 10_000;
 /// Events after which the weights are worked out even if nothing leaves, so that products stay within range and trapped
 /// light meets roulette.
 const EVENTS_AT_MOST: u32 = 32;
-/// Paths in a row with the same hero, whose phase table then stays in the nearest cache.
-const PATHS_OF_A_HERO: u32 = 16;
+/// Paths in a row with the same hero, whose phase table then stays in the nearest cache: at most this many, and few enough
+/// for every hero to have so many turns in a batch.
+const PATHS_OF_A_HERO: usize = 16;
+const TURNS_OF_A_HERO: usize = 8;
 
 /// Where and whence light meets the body.
 #[derive(Clone, Copy, Debug)]
@@ -183,7 +185,8 @@ struct State<'a, S, T, E, K> {
     entrance: Entrance<T>,
     /// Heroes take turns.
     next_hero: usize,
-    hero_paths: u32,
+    paths_of_a_hero: usize,
+    hero_paths: usize,
     flights: Flights,
     spectral: Spectral,
     reflected: f64,
@@ -219,6 +222,7 @@ where
             entrance: Entrance::new(stream, paths),
             flights: Flights::new(lanes),
             next_hero,
+            paths_of_a_hero: (paths / (TURNS_OF_A_HERO * walk.interior.wavelengths())).clamp(1, PATHS_OF_A_HERO),
             hero_paths: 0,
             spectral: Spectral::new(walk.interior),
             reflected: 0.0,
@@ -256,7 +260,7 @@ where
         let interior = self.walk.interior;
         let hero = self.next_hero;
         self.hero_paths += 1;
-        if self.hero_paths == PATHS_OF_A_HERO {
+        if self.hero_paths == self.paths_of_a_hero {
             self.hero_paths = 0;
             self.next_hero = if hero + 1 == interior.wavelengths() {
                 0
