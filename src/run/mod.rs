@@ -1,5 +1,6 @@
 //! A whole study: every stage in turn, from the study's values to the report's data.
 
+mod artefact;
 mod camera;
 mod curves;
 mod plan;
@@ -7,6 +8,7 @@ mod report;
 mod simulate;
 mod trace;
 
+pub use artefact::{LengthTable, MediumValues, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings};
 pub use camera::CameraBatch;
 pub use curves::SpectralCurves;
 pub use plan::{Plan, RunError, medium};
