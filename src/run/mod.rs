@@ -1,19 +1,23 @@
 //! A whole study: every stage in turn, from the study's values to the report's data.
 
 mod artefact;
+mod batches;
 mod camera;
 mod curves;
 mod plan;
 mod report;
 mod simulate;
+mod stop;
 mod trace;
 
 pub use artefact::{LengthTable, MediumValues, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings};
+pub use batches::{Gather, Outcome, Schedule, gather};
 pub use camera::CameraBatch;
 pub use curves::SpectralCurves;
 pub use plan::{Plan, RunError, medium};
 pub use report::{report, report_geometries};
 pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};
+pub use stop::{Precision, PrecisionError, StopRule, StoppedBy, Tolerance, Watched};
 pub use trace::{YarnBatch, YarnSums, YarnTracer, trace_yarn};
 
 /// Told of finished work, in shares of the whole that sum to 1.
