@@ -10,7 +10,10 @@ mod simulate;
 mod stop;
 mod trace;
 
-pub use artefact::{LengthTable, MediumValues, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings};
+pub use artefact::{
+    LengthTable, MediumValues, Shard, ShardError, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings,
+    merge_shards, trace_shard,
+};
 pub use batches::{Gather, Outcome, Schedule, gather};
 pub use camera::CameraBatch;
 pub use curves::SpectralCurves;
