@@ -1,9 +1,11 @@
 //! Traces dealt over machines and put together again, as typed: the merge is the single run bit for bit, and whatever does
 //! not belong together is refused by name, its files untouched.
 
+use specval::run::YarnArtefact;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 use tempfile::TempDir;
 
 /// A study of 16 batches that runs in a fraction of a second.

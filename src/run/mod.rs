@@ -7,8 +7,10 @@ mod curves;
 mod plan;
 mod report;
 mod simulate;
+mod state;
 mod stop;
 mod trace;
+mod watch;
 
 pub use artefact::{
     LengthTable, MediumValues, Shard, ShardError, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings,
@@ -20,8 +22,10 @@ pub use curves::SpectralCurves;
 pub use plan::{Plan, RunError, medium};
 pub use report::{report, report_geometries};
 pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};
+pub use state::{StateFile, remove_state};
 pub use stop::{Precision, PrecisionError, StopRule, StoppedBy, Tolerance, Watched};
 pub use trace::{YarnBatch, YarnSums, YarnTracer, trace_yarn};
+pub use watch::Watch;
 
 /// Told of finished work, in shares of the whole that sum to 1.
 pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);

@@ -56,6 +56,11 @@ pub enum RunError {
          the run that left it, or remove it and start from the beginning", path.display()
     )]
     StateTooFar { path: PathBuf, found: usize, most: usize },
+    #[error(
+        "the ratios of Table 1 are of normal incidence and view: expected both in `[rig]`, found none; add incidence 0 and \
+         view 0, or ask for the precision of `curves`"
+    )]
+    NoNormal,
 }
 
 /// A study with every value checked, every file read and every name resolved: what a run takes.

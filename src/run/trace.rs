@@ -1,5 +1,7 @@
 use super::artefact::{YarnArtefact, YarnLayout};
-use super::{Gather, Outcome, Plan, RunError, Schedule, Tolerance, gather};
+use super::simulate::effort_note;
+use super::{Gather, Plan, Precision, RunError, Schedule, Tolerance, Watched, gather};
+use crate::report::EffortNote;
 use crate::transport::{BatchSums, Ledger};
 use crate::yarn::{
     BssrdfGrid, DirectBatch, DirectTracer, EnergyTracer, LengthBins, LengthSums, LengthTally, PatchTracer,
@@ -183,14 +185,15 @@ pub fn trace_yarn(
     resumed: Option<YarnSums>,
     state: &Path,
     schedule: &Schedule,
-) -> Result<(YarnArtefact, Outcome), RunError> {
+) -> Result<(YarnArtefact, EffortNote), RunError> {
     let layout = tracer.layout();
-    let tolerance = schedule.rule.precision.map(|precision| precision.tolerance);
+    let rule = schedule.rule;
+    let tolerance = rule.precision.map(|precision| precision.tolerance);
     let mut scattered = BatchSums::zeros(layout.incident.traced() * layout.wavelengths());
     let sums = resumed.unwrap_or_else(|| YarnSums::new(&layout));
     for (batches, ledgers) in sums.ledgers.iter().enumerate() {
         let error = || largest_error(&scattered, tolerance?);
-        if schedule.rule.reached(batches, error).is_some() {
+        if rule.reached(batches, error).is_some() {
             return Err(RunError::StateTooFar {
                 path: state.to_owned(),
                 found: sums.ledgers.len(),
@@ -208,5 +211,11 @@ pub fn trace_yarn(
         state,
     };
     let outcome = gather(&mut tracing, schedule)?;
-    Ok((YarnArtefact::new(tracing.layout, tracing.sums), outcome))
+    // Without a precision nothing is watched, and its largest error is none.
+    let watched = rule.precision.unwrap_or(Precision {
+        tolerance: Tolerance::Absolute(0.0),
+        of: Watched::Scattered,
+    });
+    let effort = effort_note(tracer.plan, rule, &outcome, watched);
+    Ok((YarnArtefact::new(tracing.layout, tracing.sums), effort))
 }
