@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     check_writable(&arguments.out)?;
     let tracing = terminal.progress("tracing the yarn");
     let grid = plan.bssrdf_grid()?;
-    let lengths = LengthBins::new(plan.yarn.cylinder.radius_mm(), 6)?;
+    let lengths = LengthBins::new(plan.yarn.cylinder.radius_mm(), LengthBins::DEFAULT)?;
     let sums = run::trace_yarn(&plan, &grid, &lengths, &|share| tracing.advance(share));
     tracing.finish();
     let sums = sums?;
