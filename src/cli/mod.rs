@@ -7,6 +7,7 @@ pub mod init;
 pub mod measure;
 pub mod medium;
 pub mod mie;
+pub mod reabsorb;
 pub mod report;
 mod study;
 mod terminal;
@@ -40,6 +41,8 @@ pub enum Command {
     Medium(medium::Arguments),
     /// Monte Carlo of the yarn: energy ledger, BSSRDF, radiance factor.
     Trace(trace::Arguments),
+    /// Another dye, kappa or host absorption for a finished trace, without tracing.
+    Reabsorb(reabsorb::Arguments),
     /// Brightness factors of the woven model on the virtual rig.
     Measure(measure::Arguments),
     /// Reference problems (slabs, cylinders, spheres, yarns): value, reference, z-score.

@@ -1,15 +1,19 @@
 //! A whole study: every stage in turn, from the study's values to the report's data.
 
+mod artefact;
 mod camera;
 mod curves;
 mod plan;
+mod reabsorb;
 mod report;
 mod simulate;
 mod trace;
 
+pub use artefact::{LengthTable, MediumValues, Systematic, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings};
 pub use camera::CameraBatch;
 pub use curves::SpectralCurves;
 pub use plan::{Plan, RunError, medium};
+pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};
 pub use report::{report, report_geometries};
 pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};
 pub use trace::{YarnBatch, YarnSums, YarnTracer, trace_yarn};

@@ -1,3 +1,4 @@
+use crate::artefact::ArtefactError;
 use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Weave};
 use crate::colour::{ColourError, ColourSystem};
 use crate::compare::{CompareError, Geometry};
@@ -9,7 +10,7 @@ use crate::shading::{Distribution, ShadingError, Specular};
 use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_csv_spectra, read_csv_spectrum, tables};
 use crate::study::{
     CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable, Study,
-    StudyError, WeaveChoice,
+    StudyError, TraceSection, WeaveChoice,
 };
 use crate::transport::{Cylinder, Roulette};
 use crate::yarn::{BssrdfGrid, Effort, Estimator, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn, YarnError};
@@ -45,6 +46,15 @@ pub enum RunError {
     Compare(#[from] CompareError),
     #[error(transparent)]
     Report(#[from] ReportError),
+    #[error(transparent)]
+    Artefact(#[from] ArtefactError),
+    /// A change of absorption that cannot be made.
+    #[error("re-absorption: expected {expected}, found {found}; {remedy}")]
+    Reabsorption {
+        expected: &'static str,
+        found: String,
+        remedy: &'static str,
+    },
 }
 
 /// A study with every value checked, every file read and every name resolved: what a run takes.
@@ -79,25 +89,15 @@ impl Plan {
             sha256: sample.digest().to_owned(),
         });
         let trace = &study.trace;
-        let cells = |n: u32| n as usize;
-        let surface = |theta, phi| SurfaceGrid::new(cells(trace.exit_azimuth_cells), cells(theta), cells(phi));
-        let factor_grid = RadianceFactorGrid::new(
-            cells(trace.tilts),
-            surface(trace.exit_theta_cells, trace.exit_phi_cells)?,
-        )?;
-        let effort = |paths| Effort::new(study.seed, cells(trace.batches), paths);
+        let effort = |paths| Effort::new(study.seed, trace.batches as usize, paths);
         let specular = &study.specular;
-        let pixels = cells(study.rig.pixels_per_side);
+        let pixels = study.rig.pixels_per_side as usize;
         Ok(Self {
             yarn: yarn(&study, &study.medium, spectra, &grid)?,
-            incident: IncidentGrid::new(
-                cells(trace.zenith_cells),
-                cells(trace.azimuth_cells),
-                trace.fold_symmetry,
-            )?,
-            bssrdf_surface: surface(trace.bssrdf_exit_theta_cells, trace.bssrdf_exit_phi_cells)?,
+            incident: incident_grid(trace)?,
+            bssrdf_surface: bssrdf_surface(trace)?,
             bssrdf_effort: effort(trace.paths_bssrdf)?,
-            factor_grid,
+            factor_grid: factor_grid(trace)?,
             direct_effort: effort(trace.paths_direct)?,
             cloth: Cloth::new(&cloth_spec(&study))?,
             specular: Specular::new(
@@ -158,6 +158,33 @@ impl Plan {
 
 fn le_bytes(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+pub(super) fn incident_grid(trace: &TraceSection) -> Result<IncidentGrid, YarnError> {
+    IncidentGrid::new(
+        trace.zenith_cells as usize,
+        trace.azimuth_cells as usize,
+        trace.fold_symmetry,
+    )
+}
+
+/// Axes of f*.
+pub(super) fn factor_grid(trace: &TraceSection) -> Result<RadianceFactorGrid, YarnError> {
+    let surface = SurfaceGrid::new(
+        trace.exit_azimuth_cells as usize,
+        trace.exit_theta_cells as usize,
+        trace.exit_phi_cells as usize,
+    )?;
+    RadianceFactorGrid::new(trace.tilts as usize, surface)
+}
+
+/// Where and in what direction light leaves in the stored BSSRDF.
+pub(super) fn bssrdf_surface(trace: &TraceSection) -> Result<SurfaceGrid, YarnError> {
+    SurfaceGrid::new(
+        trace.bssrdf_azimuth_cells as usize,
+        trace.bssrdf_exit_theta_cells as usize,
+        trace.bssrdf_exit_phi_cells as usize,
+    )
 }
 
 fn yarn(

@@ -3,7 +3,7 @@ use crate::compare::Geometry;
 use crate::report::EnergyRow;
 use crate::study::ShadeWith;
 use crate::transport::{Ledger, LedgerEntry};
-use crate::yarn::{BssrdfGrid, DirectTracer, EnergyTracer, PatchTracer};
+use crate::yarn::{BssrdfGrid, DirectTracer, EnergyTracer, IncidentGrid, PatchTracer};
 use rayon::prelude::*;
 
 /// Batches under way at once; each holds a table of f*.
@@ -101,16 +101,16 @@ pub fn simulate(plan: &Plan, geometries: Vec<Geometry>, progress: Progress) -> R
 }
 
 /// The ledger of every wavelength and incident direction, mirrored ones included, from that of every batch.
-pub fn energy_rows(plan: &Plan, batches: &[Vec<Ledger>]) -> Vec<EnergyRow> {
-    let wavelengths = plan.grid.len();
-    let entries: Vec<LedgerEntry> = (0..plan.incident.traced() * wavelengths)
+pub fn energy_rows(wavelength_nm: &[f64], incident: &IncidentGrid, batches: &[Vec<Ledger>]) -> Vec<EnergyRow> {
+    let wavelengths = wavelength_nm.len();
+    let entries: Vec<LedgerEntry> = (0..incident.traced() * wavelengths)
         .map(|i| LedgerEntry::from_batches(&batches.iter().map(|batch| batch[i]).collect::<Vec<_>>()))
         .collect();
-    let mut rows = Vec::with_capacity(plan.grid.len() * plan.incident.len());
-    for (wavelength, &wavelength_nm) in plan.grid.nm().iter().enumerate() {
-        for direction in 0..plan.incident.len() {
-            let entry = &entries[plan.incident.representative(direction).0 * wavelengths + wavelength];
-            let [theta_in_deg, phi_in_deg] = plan.incident.angles_deg(direction);
+    let mut rows = Vec::with_capacity(wavelengths * incident.len());
+    for (wavelength, &wavelength_nm) in wavelength_nm.iter().enumerate() {
+        for direction in 0..incident.len() {
+            let entry = &entries[incident.representative(direction).0 * wavelengths + wavelength];
+            let [theta_in_deg, phi_in_deg] = incident.angles_deg(direction);
             let [
                 reflected_se,
                 ballistic_se,

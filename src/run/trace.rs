@@ -1,97 +1,122 @@
+use super::artefact::YarnLayout;
 use super::{Plan, Progress, RunError};
 use crate::transport::{BatchSums, Ledger};
 use crate::yarn::{
-    BssrdfBatch, BssrdfGrid, DirectBatch, DirectTracer, EnergyBatch, EnergyTracer, LengthBins, LengthSums, PatchTracer,
+    BssrdfGrid, DirectBatch, DirectTracer, EnergyTracer, LengthBins, LengthSums, LengthTally, PatchTracer,
 };
 
 /// Everything one batch of tracing tells about the yarn alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct YarnBatch {
-    pub energy: EnergyBatch,
-    pub direct: DirectBatch,
-    pub patch: BssrdfBatch,
+    /// Traced incident direction × wavelength, wavelength fastest.
+    pub ledgers: Vec<Ledger>,
+    /// What left by path length: traced direction × wavelength × bin × (ballistic, scattered, and both times path length).
+    pub energy_by_length: Vec<f64>,
+    /// f* of the direct simulation, and of the sum over the BSSRDF, 1/sr: cell × wavelength.
+    pub direct: Vec<f64>,
+    pub summed: Vec<f64>,
+    /// BSSRDF as fractions, axes as its grid says. Rounded to single precision, far below the noise of a cell: this is
+    /// the largest table by far.
+    pub bssrdf: Vec<f32>,
+    /// f* of the direct simulation by path length.
+    pub by_length: LengthTally,
 }
 
 /// Makes batches of the yarn: ledger, BSSRDF, f* by both roads, path lengths.
 pub struct YarnTracer<'a> {
     plan: &'a Plan,
-    grid: &'a BssrdfGrid,
-    lengths: &'a LengthBins,
+    grid: BssrdfGrid,
+    lengths: LengthBins,
 }
 
 impl<'a> YarnTracer<'a> {
-    pub fn new(plan: &'a Plan, grid: &'a BssrdfGrid, lengths: &'a LengthBins) -> Self {
-        Self { plan, grid, lengths }
+    pub fn new(plan: &'a Plan) -> Result<Self, RunError> {
+        Ok(Self {
+            plan,
+            grid: plan.bssrdf_grid()?,
+            lengths: LengthBins::new(plan.yarn.cylinder.radius_mm(), LengthBins::DEFAULT)?,
+        })
+    }
+
+    /// What the tables hold and along which axes.
+    pub fn layout(&self) -> YarnLayout {
+        YarnLayout::of(self.plan, &self.grid, &self.lengths)
     }
 
     /// Batch number `batch`, the same whenever and wherever it is made.
     pub fn batch(&self, batch: usize) -> Result<YarnBatch, RunError> {
         let plan = self.plan;
-        let lengths = Some(self.lengths);
-        let energy = EnergyTracer::new(&plan.yarn, plan.incident, plan.bssrdf_effort, lengths)?;
+        let lengths = Some(&self.lengths);
+        // The table that takes most memory while it is made comes first, before the others are there.
+        let (bssrdf, summed) = {
+            let tracer = PatchTracer::new(&plan.yarn, &self.grid, plan.factor_grid, plan.bssrdf_effort)?;
+            let patch = tracer.batch(batch);
+            let rounded: Vec<f32> = patch.fractions.iter().map(|&fraction| fraction as f32).collect();
+            (rounded, patch.radiance_factor)
+        };
+        let energy = EnergyTracer::new(&plan.yarn, plan.incident, plan.bssrdf_effort, lengths)?.batch(batch);
         let direct = DirectTracer::new(&plan.yarn, plan.factor_grid, plan.direct_effort, lengths)?;
-        let patch = PatchTracer::new(&plan.yarn, self.grid, plan.factor_grid, plan.bssrdf_effort)?;
+        let DirectBatch {
+            radiance_factor,
+            lengths,
+            ..
+        } = direct.batch(batch);
         Ok(YarnBatch {
-            energy: energy.batch(batch),
-            direct: direct.batch(batch),
-            patch: patch.batch(batch),
+            ledgers: energy.ledgers,
+            energy_by_length: energy.lengths.into_flattened(),
+            direct: radiance_factor,
+            summed,
+            bssrdf,
+            by_length: lengths,
         })
     }
 }
 
-/// Batches of the yarn added up in their order. Only the energy is kept batch by batch; the rest takes the same memory
+/// Batches of the yarn added up in their order. Only the ledgers are kept batch by batch; the rest takes the same memory
 /// for any number of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct YarnSums {
-    pub energy: Vec<EnergyBatch>,
-    /// f* of the direct simulation, and of the sum over the BSSRDF: cell × wavelength.
+    /// [batch][traced incident direction × wavelength].
+    pub ledgers: Vec<Vec<Ledger>>,
+    /// See [`YarnBatch`].
+    pub energy_by_length: BatchSums,
     pub direct: BatchSums,
     pub summed: BatchSums,
-    /// Fractions, axes as the BSSRDF's grid says.
     pub bssrdf: BatchSums,
-    /// f* of the direct simulation by path length.
-    pub lengths: LengthSums,
+    pub by_length: LengthSums,
 }
 
 impl YarnSums {
-    pub fn new(plan: &Plan, grid: &BssrdfGrid, lengths: &LengthBins) -> Self {
-        let values = plan.factor_grid.cells() * plan.grid.len();
+    pub fn new(layout: &YarnLayout) -> Self {
+        let values = layout.factor_grid.cells() * layout.wavelengths();
         Self {
-            energy: Vec::new(),
+            ledgers: Vec::new(),
+            energy_by_length: BatchSums::zeros(layout.incident.traced() * layout.wavelengths() * layout.bins() * 4),
             direct: BatchSums::zeros(values),
             summed: BatchSums::zeros(values),
-            bssrdf: BatchSums::zeros(grid.shape().iter().product()),
-            lengths: LengthSums::zeros(values * lengths.bins()),
+            bssrdf: BatchSums::zeros(layout.bssrdf_shape.iter().product()),
+            by_length: LengthSums::zeros(values * layout.bins()),
         }
     }
 
+    /// Adds the next batch.
     pub fn add(&mut self, batch: YarnBatch) {
-        self.direct.add(&batch.direct.radiance_factor);
-        self.summed.add(&batch.patch.radiance_factor);
-        self.bssrdf.add(&batch.patch.fractions);
-        self.lengths.add(&batch.direct.lengths);
-        self.energy.push(batch.energy);
-    }
-
-    /// [batch][traced incident direction × wavelength].
-    pub fn ledgers(&self) -> Vec<Vec<Ledger>> {
-        self.energy.iter().map(|batch| batch.ledgers.clone()).collect()
+        self.ledgers.push(batch.ledgers);
+        self.energy_by_length.add(&batch.energy_by_length);
+        self.direct.add(&batch.direct);
+        self.summed.add(&batch.summed);
+        self.bssrdf.add(&batch.bssrdf);
+        self.by_length.add(&batch.by_length);
     }
 }
 
 /// Traces all batches of a study.
-pub fn trace_yarn(
-    plan: &Plan,
-    grid: &BssrdfGrid,
-    lengths: &LengthBins,
-    progress: Progress,
-) -> Result<YarnSums, RunError> {
-    let tracer = YarnTracer::new(plan, grid, lengths);
-    let mut sums = YarnSums::new(plan, grid, lengths);
-    let batches = plan.direct_effort.batches;
-    for batch in 0..batches {
+pub fn trace_yarn(tracer: &YarnTracer, progress: Progress) -> Result<YarnSums, RunError> {
+    let layout = tracer.layout();
+    let mut sums = YarnSums::new(&layout);
+    for batch in 0..layout.batches() {
         sums.add(tracer.batch(batch)?);
-        progress(1.0 / batches as f64);
+        progress(1.0 / layout.batches() as f64);
     }
     Ok(sums)
 }

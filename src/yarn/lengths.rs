@@ -1,4 +1,5 @@
 use super::YarnError;
+use crate::transport::Estimate;
 
 /// Upper edges of the first bins in radii; further ones double. Light of a dyed yarn leaves within 4 R, and its lengths
 /// pile up below 2 R and 4 R, the yarn's diameter and twice that: even steps there cost re-absorption a quarter of the
@@ -29,6 +30,22 @@ impl LengthBins {
         Ok(Self {
             edges_mm: edges.map(|edge| radius_mm * edge).collect(),
         })
+    }
+
+    /// Bins of a file: the upper edge of every bin but the last, mm.
+    ///
+    /// # Errors
+    /// Edges that do not ascend from above 0.
+    pub fn from_edges(edges_mm: Vec<f64>) -> Result<Self, YarnError> {
+        if !edges_mm.is_sorted_by(|a, b| a < b) || edges_mm.first().is_none_or(|&first| first.is_nan() || first <= 0.0)
+        {
+            return Err(YarnError::Reabsorption {
+                quantity: "edges of the path length bins in mm",
+                expected: "ascending ones above 0".into(),
+                found: format!("{edges_mm:?}"),
+            });
+        }
+        Ok(Self { edges_mm })
     }
 
     /// Upper edge of every bin but the last, mm.
@@ -82,6 +99,11 @@ impl LengthSums {
             *sum += x;
             *square += x * x;
         }
+    }
+
+    /// Mean amount of value i and its standard error, 0 for one batch.
+    pub fn estimate(&self, i: usize) -> Estimate {
+        Estimate::from_sums(self.batches, self.amount[i].into(), self.square[i].into())
     }
 }
 
