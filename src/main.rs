@@ -16,6 +16,7 @@ fn main() -> ExitCode {
         Command::Medium(arguments) => cli::medium::run(&arguments, &options, &terminal),
         Command::Trace(arguments) => cli::trace::run(&arguments, &options, &terminal),
         Command::Reabsorb(arguments) => cli::reabsorb::run(&arguments, &options, &terminal),
+        Command::Merge(arguments) => cli::merge::run(&arguments, &terminal),
         Command::Measure(arguments) => cli::measure::run(&arguments, &options, &terminal),
         Command::Validate(arguments) => cli::validate::run(&arguments, &options, &terminal),
         Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),

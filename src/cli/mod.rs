@@ -6,6 +6,7 @@ pub mod colour;
 pub mod init;
 pub mod measure;
 pub mod medium;
+pub mod merge;
 pub mod mie;
 pub mod reabsorb;
 pub mod report;
@@ -43,6 +44,8 @@ pub enum Command {
     Trace(trace::Arguments),
     /// Another dye, kappa or host absorption for a finished trace, without tracing.
     Reabsorb(reabsorb::Arguments),
+    /// Add the shards of a trace: the same file as one run.
+    Merge(merge::Arguments),
     /// Brightness factors of the woven model on the virtual rig.
     Measure(measure::Arguments),
     /// Reference problems (slabs, cylinders, spheres, yarns): value, reference, z-score.

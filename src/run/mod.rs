@@ -1,21 +1,28 @@
 //! A whole study: every stage in turn, from the study's values to the report's data.
 
 mod artefact;
+mod batches;
 mod camera;
 mod curves;
 mod plan;
 mod reabsorb;
 mod report;
 mod simulate;
+mod stop;
 mod trace;
 
-pub use artefact::{LengthTable, MediumValues, Systematic, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings};
+pub use artefact::{
+    LengthTable, MediumValues, Shard, ShardError, Systematic, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings,
+    merge_shards, trace_shard,
+};
+pub use batches::{Gather, Outcome, Schedule, gather};
 pub use camera::CameraBatch;
 pub use curves::SpectralCurves;
 pub use plan::{Plan, RunError, medium};
 pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};
 pub use report::{report, report_geometries};
 pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};
+pub use stop::{Precision, PrecisionError, StopRule, StoppedBy, Tolerance, Watched};
 pub use trace::{YarnBatch, YarnSums, YarnTracer, trace_yarn};
 
 /// Told of finished work, in shares of the whole that sum to 1.

@@ -5,6 +5,7 @@ use crate::compare::{CompareError, Geometry};
 use crate::optics::{Interference, Medium, MediumSpec, OpticsError};
 use crate::report::{InputDigest, ReportError};
 use crate::rig::{PixelSamples, Rig, RigError};
+use crate::run::ShardError;
 use crate::sample::{Sample, SampleError};
 use crate::shading::{Distribution, ShadingError, Specular};
 use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_csv_spectra, read_csv_spectrum, tables};
@@ -55,6 +56,8 @@ pub enum RunError {
         found: String,
         remedy: &'static str,
     },
+    #[error(transparent)]
+    Shard(#[from] ShardError),
 }
 
 /// A study with every value checked, every file read and every name resolved: what a run takes.

@@ -122,7 +122,12 @@ mod tests {
         assert!(worst[0] < 5e-16, "exp {:e}", worst[0]);
         assert!(worst[1] < 4e-16, "ln {:e}", worst[1]);
         // The reference's own argument 2πu is rounded to 4e-16.
-        assert!(worst[2] < 9e-16 && worst[3] < 6e-16, "sin, cos {:e} {:e}", worst[2], worst[3]);
+        assert!(
+            worst[2] < 9e-16 && worst[3] < 6e-16,
+            "sin, cos {:e} {:e}",
+            worst[2],
+            worst[3]
+        );
         assert_eq!((exp(-709.0), exp(f64::NEG_INFINITY), exp(0.0)), (0.0, 0.0, 1.0));
         assert_eq!((ln(1.0), unit(0)), (0.0, 0.0));
         assert!(unit(u64::MAX) < 1.0);

@@ -268,7 +268,9 @@ impl Flights {
             let length = if scatters { flight } else { distance };
             let moved = [p[0] + d[0] * length, p[1] + d[1] * length, p[2] + d[2] * length];
             let [on, normal] = shape.surface(moved, d);
-            let cos_i = (d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2]).max(0.0).min(1.0);
+            let cos_i = (d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2])
+                .max(0.0)
+                .min(1.0);
             let Interface { reflectance, cos_t } = fresnel::interface(cos_i, inverse_index);
             self.position[0][i] = if scatters { moved[0] } else { on[0] };
             self.position[1][i] = if scatters { moved[1] } else { on[1] };
@@ -413,7 +415,11 @@ where
         let [for_flight, coordinates @ ..] = self.lattice.next();
         let entry = (self.entry)(&coordinates);
         let hero = self.next_hero;
-        self.next_hero = if hero + 1 == interior.wavelengths() { 0 } else { hero + 1 };
+        self.next_hero = if hero + 1 == interior.wavelengths() {
+            0
+        } else {
+            hero + 1
+        };
         let cos_in = entry.normal.dot(&entry.omega_in).clamp(0.0, 1.0);
         let outside = fresnel::interface(cos_in, interior.index());
         self.reflected += outside.reflectance;
@@ -434,7 +440,11 @@ where
         let [position, normal] = shape.surface(there.into(), direction.into()).map(Vec3::from);
         let cos_i = direction.dot(&normal).clamp(0.0, 1.0);
         let inside = fresnel::interface(cos_i, 1.0 / interior.index());
-        let transmittance = if chord < f64::INFINITY { 1.0 - inside.reflectance } else { 0.0 };
+        let transmittance = if chord < f64::INFINITY {
+            1.0 - inside.reflectance
+        } else {
+            0.0
+        };
         let chord = chord.min(FAR_MM);
         let groups = interior.groups();
         let lane_groups = lane * groups..(lane + 1) * groups;
@@ -538,7 +548,11 @@ where
             if transmittance > 0.0 {
                 let largest = self.evaluate(i);
                 self.leave(i, step, transmittance);
-                self.play_roulette(i, largest * (1.0 - transmittance), (1.0 - transmittance) / transmittance);
+                self.play_roulette(
+                    i,
+                    largest * (1.0 - transmittance),
+                    (1.0 - transmittance) / transmittance,
+                );
             } else if self.events[i] >= EVENTS_AT_MOST || self.reflections[i] >= REFLECTIONS_IN_A_ROW {
                 let largest = self.evaluate(i);
                 self.play_roulette(i, largest, 1.0);
@@ -610,9 +624,8 @@ where
         };
         add(sum, &self.weights, 1.0);
         self.common[lane] *= 1.0 - transmittance;
-        let of = |components: &[[f64; LANES]; 3]| {
-            Vec3::new(components[0][lane], components[1][lane], components[2][lane])
-        };
+        let of =
+            |components: &[[f64; LANES]; 3]| Vec3::new(components[0][lane], components[1][lane], components[2][lane]);
         let (normal, direction) = (of(&step.normal), of(&self.flights.direction));
         if let Some(tag) = self.tag[lane] {
             (self.sink)(&Exit {

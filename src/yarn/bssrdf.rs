@@ -195,7 +195,9 @@ impl<'a> PatchTracer<'a> {
                     let light = LightSide {
                         x: omega_in.x / across,
                         z: omega_in.z / across,
-                        tilt: summed.tilt_of_sine(omega_in.y.abs()).clamp(*tilts.start(), *tilts.end()),
+                        tilt: summed
+                            .tilt_of_sine(omega_in.y.abs())
+                            .clamp(*tilts.start(), *tilts.end()),
                         axis_reversed: omega_in.y < 0.0,
                     };
                     Entry {

@@ -14,7 +14,9 @@ pub struct YarnSettings {
     pub study: Study,
     /// Digests of the tables and files that went in.
     pub inputs: Vec<InputDigest>,
-    /// What came of them, so that a part made with another C library is told before it is added.
+    /// What came of them, so that a part made with another C library is told before it is added. Its name puts it behind
+    /// the study, whose keys are told first where two files differ.
+    #[serde(rename = "traced_medium")]
     pub medium: MediumValues,
     /// Changes of absorption since, first to last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -185,15 +187,15 @@ impl YarnLayout {
         }
     }
 
-    /// f* by path length: cell × bin × wavelength.
-    pub(super) fn factor_by_length(&self, unit: &'static str) -> Array {
+    /// f* by path length: cell × bin × wavelength; and the same times path length.
+    pub(super) fn factor_by_length(&self) -> [Array; 2] {
         let mut shape = self.factor().shape;
         shape.insert(3, self.bins());
-        Array {
+        ["1/sr", "mm/sr"].map(|unit| Array {
             unit,
             axes: "tilt, azimuth from the light 0..180 deg, exit cell (theta, phi), bin of path length, wavelength",
-            shape,
-        }
+            shape: shape.clone(),
+        })
     }
 }
 

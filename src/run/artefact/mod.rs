@@ -1,8 +1,12 @@
-//! Files of the yarn's trace, written and read back.
+//! Files of the yarn's trace, written and read back: the artefact, shards of it, and the state of an unfinished run.
 
+mod batch_arrays;
 mod layout;
+mod shard;
+mod state;
 
 pub use layout::{MediumValues, YarnAxes, YarnLayout, YarnSettings};
+pub use shard::{Shard, ShardError, merge_shards, trace_shard};
 
 use super::{RunError, YarnSums, energy_rows};
 use crate::artefact::{ElementType, Kind, Reader, Writer};
@@ -109,7 +113,7 @@ impl YarnArtefact {
     pub fn write(&self, path: &Path) -> Result<(), RunError> {
         let layout = &self.layout;
         let tables = self.tables();
-        let [amount, moment] = lengths(layout);
+        let [amount, moment] = layout.factor_by_length();
         let energy = energy(layout);
         let mut arrays = vec![
             energy.info("energy", ElementType::F64),
@@ -188,7 +192,7 @@ impl YarnArtefact {
                 energy: file.array("energy_systematic", &layout.energy_systematic().shape)?,
             })
         };
-        let [amount, moment] = lengths(&layout);
+        let [amount, moment] = layout.factor_by_length();
         let artefact = Self {
             batches,
             energy,
@@ -233,11 +237,6 @@ fn energy(layout: &YarnLayout) -> Array {
         axes: "wavelength, incident direction; reflected, ballistic, scattered, absorbed, roulette, residual",
         shape: vec![layout.wavelengths(), layout.incident.len(), 6],
     }
-}
-
-/// f* by path length, and its moment.
-fn lengths(layout: &YarnLayout) -> [Array; 2] {
-    ["1/sr", "mm/sr"].map(|unit| layout.factor_by_length(unit))
 }
 
 /// Each fraction of a row and its standard error.
