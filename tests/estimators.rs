@@ -275,7 +275,6 @@ fn against_photon_tracer(psi_deg: f64, paths_per_batch: usize) -> Vec<(String, f
                         position,
                         normal: cylinder.frame(&position).normal,
                         omega_in: Vec3::new(0.0, -psi.sin(), psi.cos()),
-                        tag: (),
                     }
                 },
                 |exit| {

@@ -304,7 +304,6 @@ fn exits(medium: &Medium, changes: &[Vec<f64>], paths: usize) -> Exits {
                 position: normal * 0.15,
                 normal,
                 omega_in: Vec3::new(0.0, sine, (1.0 - sine * sine).sqrt()),
-                tag: (),
             }
         },
         |exit| {

@@ -25,12 +25,11 @@ fn interior(phase: &Phase, mu_s: f64, mu_a: f64) -> Interior<'_> {
 }
 
 /// Light at `position` on the top of a body, where the normal is z.
-fn entry(position: Vec3, omega_in: Vec3) -> Entry<()> {
+fn entry(position: Vec3, omega_in: Vec3) -> Entry {
     Entry {
         position,
         normal: Vec3::z(),
         omega_in,
-        tag: (),
     }
 }
 

@@ -6,7 +6,7 @@ use crate::optics::fresnel;
 use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::Rng};
 
 /// Paths on the way in, as many as lanes: refracted, and followed straight to the other side.
-pub(super) struct Entrance<T> {
+pub(super) struct Entrance {
     stream: Xoshiro256PlusPlus,
     /// Paths in all, and how many of them have come here.
     paths: usize,
@@ -16,7 +16,7 @@ pub(super) struct Entrance<T> {
     fetched: usize,
     pub position: Lanes3,
     normal: Lanes3,
-    omega_in: Lanes3,
+    pub omega_in: Lanes3,
     /// Inside.
     pub direction: Lanes3,
     /// Even number for the first flight.
@@ -28,10 +28,9 @@ pub(super) struct Entrance<T> {
     pub far_position: Lanes3,
     pub far_normal: Lanes3,
     pub far_direction: Lanes3,
-    pub tag: [Option<T>; LANES],
 }
 
-impl<T: Copy> Entrance<T> {
+impl Entrance {
     pub fn new(stream: Xoshiro256PlusPlus, paths: usize) -> Self {
         Self {
             stream,
@@ -50,7 +49,6 @@ impl<T: Copy> Entrance<T> {
             far_position: [[0.0; LANES]; 3],
             far_normal: [[0.0; LANES]; 3],
             far_direction: [[0.0; LANES]; 3],
-            tag: [None; LANES],
         }
     }
 
@@ -60,7 +58,7 @@ impl<T: Copy> Entrance<T> {
         &mut self,
         shape: &S,
         index: f64,
-        entry: &mut impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
+        entry: &mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry,
     ) -> Option<usize> {
         if self.fetched == self.ready {
             self.ready = LANES.min(self.paths - self.begun);
@@ -75,7 +73,7 @@ impl<T: Copy> Entrance<T> {
     }
 
     #[inline(always)]
-    fn fill<S: Shape>(&mut self, shape: &S, index: f64, entry: &mut impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>) {
+    fn fill<S: Shape>(&mut self, shape: &S, index: f64, entry: &mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry) {
         for i in 0..self.ready {
             let mut coordinates = [0.0; ENTRY_COORDINATES];
             coordinates.iter_mut().for_each(|c| *c = unit(self.stream.next_u64()));
@@ -83,7 +81,6 @@ impl<T: Copy> Entrance<T> {
             self.begun += 1;
             let entry = entry(&coordinates);
             self.for_flight[i] = unit(self.stream.next_u64());
-            self.tag[i] = Some(entry.tag);
             for axis in 0..3 {
                 self.position[axis][i] = entry.position[axis];
                 self.normal[axis][i] = entry.normal[axis];

@@ -60,19 +60,20 @@ const TURNS_OF_A_HERO: usize = 8;
 
 /// Where and whence light meets the body.
 #[derive(Clone, Copy, Debug)]
-pub struct Entry<T> {
+pub struct Entry {
     pub position: Vec3,
     /// Outward unit normal.
     pub normal: Vec3,
     /// Unit vector towards the light, above the surface.
     pub omega_in: Vec3,
-    /// Handed on to every exit of the path.
-    pub tag: T,
 }
 
 /// A part of a path's light that leaves the body.
 #[derive(Clone, Copy, Debug)]
-pub struct Exit<'w, T> {
+pub struct Exit<'w> {
+    /// Where and whence the path met the body.
+    pub entry: Vec3,
+    pub omega_in: Vec3,
     pub position: Vec3,
     /// Outward unit normal.
     pub normal: Vec3,
@@ -84,7 +85,6 @@ pub struct Exit<'w, T> {
     pub scattered: bool,
     /// Length of the path inside, mm.
     pub length_mm: f64,
-    pub tag: T,
 }
 
 /// The transport kernel: paths through one body, each for all the wavelengths of its interior.
@@ -107,15 +107,15 @@ impl<S: Shape> Walk<'_, S> {
     /// Traces `paths` paths of light that `entry` lets in (from numbers even in [0, 1), the first of them stratified
     /// over the paths), hands every exit to `sink` and returns the sum of the paths' ledgers at each wavelength. The ledger of one
     /// wavelength alone closes to rounding; of more, in the mean.
-    pub fn trace<T: Copy>(
+    pub fn trace(
         &self,
         stream: Xoshiro256PlusPlus,
         paths: usize,
-        entry: impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
-        sink: impl FnMut(&Exit<'_, T>),
+        entry: impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry,
+        sink: impl FnMut(&Exit<'_>),
     ) -> Vec<Ledger> {
         let (mut entry, mut sink) = (entry, sink);
-        let ends: Ends<'_, T> = Ends {
+        let ends: Ends<'_> = Ends {
             entry: &mut entry,
             sink: &mut sink,
         };
@@ -140,19 +140,19 @@ impl<S: Shape> Walk<'_, S> {
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
-    fn trace_avx512<T: Copy>(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_, T>) -> Vec<Ledger> {
+    fn trace_avx512(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Vec<Ledger> {
         self.trace_lanes(stream, paths, ends)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
-    fn trace_avx2<T: Copy>(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_, T>) -> Vec<Ledger> {
+    fn trace_avx2(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Vec<Ledger> {
         self.trace_lanes(stream, paths, ends)
     }
 
     /// Compiled once for each instruction set, always to the same bits: nothing is contracted or reordered.
     #[inline(always)]
-    fn trace_lanes<T: Copy>(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_, T>) -> Vec<Ledger> {
+    fn trace_lanes(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Vec<Ledger> {
         let mut state = State::new(self, stream, paths, ends);
         let mut step = Step::default();
         while state.refill() {
@@ -165,16 +165,16 @@ impl<S: Shape> Walk<'_, S> {
 }
 
 /// Where paths come from and where their exits go. Not generic, so that the kernel is compiled once for all tallies.
-struct Ends<'a, T> {
-    entry: &'a mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
-    sink: &'a mut dyn FnMut(&Exit<'_, T>),
+struct Ends<'a> {
+    entry: &'a mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry,
+    sink: &'a mut dyn FnMut(&Exit<'_>),
 }
 
 /// The paths under way.
-struct State<'a, 'e, S, T> {
+struct State<'a, 'e, S> {
     walk: &'a Walk<'a, S>,
-    ends: Ends<'e, T>,
-    entrance: Entrance<T>,
+    ends: Ends<'e>,
+    entrance: Entrance,
     /// Heroes take turns.
     next_hero: usize,
     paths_of_a_hero: usize,
@@ -194,11 +194,12 @@ struct State<'a, 'e, S, T> {
     /// On its first flight.
     first: [bool; LANES],
     active: [bool; LANES],
-    tag: [Option<T>; LANES],
+    entry: Lanes3,
+    omega_in: Lanes3,
 }
 
-impl<'a, 'e, S: Shape, T: Copy> State<'a, 'e, S, T> {
-    fn new(walk: &'a Walk<'a, S>, mut stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'e, T>) -> Self {
+impl<'a, 'e, S: Shape> State<'a, 'e, S> {
+    fn new(walk: &'a Walk<'a, S>, mut stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'e>) -> Self {
         let lanes = LaneStream::open(&mut stream);
         let next_hero = (stream.next_u64() % walk.interior.wavelengths() as u64) as usize;
         Self {
@@ -219,7 +220,8 @@ impl<'a, 'e, S: Shape, T: Copy> State<'a, 'e, S, T> {
             scattered: [false; LANES],
             first: [false; LANES],
             active: [false; LANES],
-            tag: [None; LANES],
+            entry: [[0.0; LANES]; 3],
+            omega_in: [[0.0; LANES]; 3],
         }
     }
 
@@ -256,9 +258,6 @@ impl<'a, 'e, S: Shape, T: Copy> State<'a, 'e, S, T> {
         let of = &self.entrance;
         self.reflected += of.reflectance[place];
         let entering = 1.0 - of.reflectance[place];
-        let Some(tag) = of.tag[place] else {
-            return;
-        };
         if entering <= 0.0 {
             return;
         }
@@ -275,12 +274,15 @@ impl<'a, 'e, S: Shape, T: Copy> State<'a, 'e, S, T> {
                 weights: self.spectral.weights(),
                 scattered: false,
                 length_mm: chord_mm,
-                tag,
+                entry: vector(&of.position, place),
+                omega_in: vector(&of.omega_in, place),
             });
         }
         let flights = &mut self.flights;
         for axis in 0..3 {
             flights.position[axis][lane] = of.position[axis][place];
+            self.entry[axis][lane] = of.position[axis][place];
+            self.omega_in[axis][lane] = of.omega_in[axis][place];
             flights.direction[axis][lane] = of.direction[axis][place];
         }
         flights.mean_free_path[lane] = 1.0 / interior.mu_s()[hero];
@@ -296,7 +298,6 @@ impl<'a, 'e, S: Shape, T: Copy> State<'a, 'e, S, T> {
         self.scattered[lane] = false;
         self.first[lane] = true;
         self.active[lane] = inverse_reach > 0.0;
-        self.tag[lane] = Some(tag);
     }
 
     /// Deals with what each lane met: a particle's angle, or light that leaves.
@@ -369,9 +370,6 @@ impl<'a, 'e, S: Shape, T: Copy> State<'a, 'e, S, T> {
     /// Tells the sink of light that leaves.
     #[inline(always)]
     fn tell(&mut self, lane: usize, step: &Step) {
-        let Some(tag) = self.tag[lane] else {
-            return;
-        };
         let (normal, direction) = (vector(&step.normal, lane), vector(&self.flights.direction, lane));
         let outside = refract(
             direction.into(),
@@ -387,7 +385,8 @@ impl<'a, 'e, S: Shape, T: Copy> State<'a, 'e, S, T> {
             weights: self.spectral.weights(),
             scattered: self.scattered[lane],
             length_mm: self.flights.length[lane],
-            tag,
+            entry: vector(&self.entry, lane),
+            omega_in: vector(&self.omega_in, lane),
         });
     }
 

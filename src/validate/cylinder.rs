@@ -115,7 +115,7 @@ impl CylinderProblem {
             roulette: Roulette::default(),
         };
         let mut chords = 0.0;
-        let mut tally = |exit: &Exit<'_, Vec3>| chords += exit.weights[0] * (exit.position - exit.tag).norm();
+        let mut tally = |exit: &Exit<'_>| chords += exit.weights[0] * (exit.position - exit.entry).norm();
         let ledgers = match self.tilt {
             Some(tilt) => parallel_beam(&walk, tilt, paths, stream, &mut tally),
             None => {
@@ -129,7 +129,6 @@ impl CylinderProblem {
                             position: entry,
                             normal: Vec3::z(),
                             omega_in: Vec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos2.sqrt()),
-                            tag: entry,
                         }
                     },
                     &mut tally,
@@ -154,13 +153,13 @@ impl CylinderProblem {
 }
 
 /// Light of a parallel beam that travels towards −z and, tilted, towards +y, over the whole projected width of a
-/// cylinder. Exits are tagged with the point of entry.
+/// cylinder.
 pub(super) fn parallel_beam(
     walk: &Walk<'_, Cylinder>,
     tilt: f64,
     paths: u64,
     stream: Xoshiro256PlusPlus,
-    sink: impl FnMut(&Exit<'_, Vec3>),
+    sink: impl FnMut(&Exit<'_>),
 ) -> Vec<Ledger> {
     let omega_in = Vec3::new(0.0, -tilt.sin(), tilt.cos());
     walk.trace(
@@ -172,7 +171,6 @@ pub(super) fn parallel_beam(
                 position,
                 normal: walk.shape.frame(&position).normal,
                 omega_in,
-                tag: position,
             }
         },
         sink,

@@ -92,7 +92,6 @@ impl SlabProblem {
                 } else {
                     Vec3::z()
                 },
-                tag: (),
             },
             |exit| {
                 let side = if exit.normal.z > 0.0 { 0 } else { 2 };

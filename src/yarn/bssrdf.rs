@@ -184,6 +184,7 @@ impl<'a> PatchTracer<'a> {
         let mut values = vec![0.0; tilts.clone().count() * per_tilt * wavelengths];
         let mut ledgers = Vec::with_capacity(wavelengths);
         let width = TAU / surface.azimuths as f64;
+        let inverse_radius = 1.0 / self.yarn.cylinder.radius_mm();
         let (half_sin, half_cos) = (0.5 * width).sin_cos();
         let [_, _, z_cells, exits, _] = self.grid.shape();
         let paths = self.effort.paths_per_batch;
@@ -197,22 +198,11 @@ impl<'a> PatchTracer<'a> {
                 |[zenith, turn, around, _]| {
                     let position = self.yarn.cylinder.at(width * (around - 0.5));
                     let frame = self.yarn.cylinder.frame(&position);
-                    let local = cell.direction(*zenith, *turn);
-                    let omega_in = frame.to_world(&local);
-                    let across = omega_in.x.hypot(omega_in.z).max(f64::MIN_POSITIVE);
-                    let light = LightSide {
-                        x: omega_in.x / across,
-                        z: omega_in.z / across,
-                        tilt: summed
-                            .tilt_of_sine(omega_in.y.abs())
-                            .clamp(*tilts.start(), *tilts.end()),
-                        axis_reversed: omega_in.y < 0.0,
-                    };
+                    let omega_in = frame.to_world(&cell.direction(*zenith, *turn));
                     Entry {
                         position,
                         normal: frame.normal,
                         omega_in,
-                        tag: (light, scale * seen * local.z / across),
                     }
                 },
                 |exit| {
@@ -227,7 +217,17 @@ impl<'a> PatchTracer<'a> {
                     let out = self.yarn.cylinder.frame(&exit.position).to_local(&exit.direction);
                     let at = (azimuth * z_cells + self.grid.z_cell(exit.position.y)) * exits + self.exit.cell(&out);
                     add_scaled(&mut fractions[at * wavelengths..][here.clone()], exit.weights, scale);
-                    let (light, factor) = exit.tag;
+                    let omega_in = &exit.omega_in;
+                    let light = LightSide {
+                        x: omega_in.x,
+                        z: omega_in.z,
+                        tilt: self.cells.tilt(omega_in.y.abs()).clamp(*tilts.start(), *tilts.end()),
+                        axis_reversed: omega_in.y < 0.0,
+                    };
+                    // cos α of the light's azimuth from the patch's normal.
+                    let facing = (exit.entry.x * omega_in.x + exit.entry.z * omega_in.z) * inverse_radius;
+                    let across = (omega_in.x * omega_in.x + omega_in.z * omega_in.z).sqrt();
+                    let factor = scale * seen * facing / across.max(f64::MIN_POSITIVE);
                     let at = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
                     add_scaled(&mut values[at * wavelengths..][here.clone()], exit.weights, factor);
                 },

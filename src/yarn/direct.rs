@@ -97,7 +97,6 @@ impl<'a> DirectTracer<'a> {
                         position: normal * self.yarn.cylinder.radius_mm(),
                         normal,
                         omega_in: Vec3::new(0.0, sine, (1.0 - sine * sine).sqrt()),
-                        tag: (),
                     }
                 },
                 |exit| {

@@ -60,7 +60,6 @@ impl<'a> EnergyTracer<'a> {
             position: self.yarn.cylinder.at(0.0),
             normal: Vec3::z(),
             omega_in: self.incident.traced_direction(direction),
-            tag: (),
         };
         let mut result = EnergyBatch::default();
         for sharing in &self.sharing {

@@ -183,7 +183,7 @@ impl WeightTally {
 /// Where a path's light stands about the yarn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightSide {
-    /// Unit vector towards it in the plane across the yarn.
+    /// Towards it in the plane across the yarn, of any length.
     pub x: f64,
     pub z: f64,
     /// Its tilt cell.
@@ -198,6 +198,8 @@ pub(super) struct FactorCells {
     grid: RadianceFactorGrid,
     around: Sectors,
     exit: CellFinder,
+    /// Of the edges between tilt cells.
+    sines: Vec<f64>,
 }
 
 impl FactorCells {
@@ -205,8 +207,15 @@ impl FactorCells {
         Ok(Self {
             around: grid.surface.sectors()?,
             exit: grid.surface.exit.finder(),
+            sines: (1..grid.tilts).map(|k| grid.tilt_edges(k)[0].sin()).collect(),
             grid,
         })
+    }
+
+    /// Tilt cell of light with |sin ψ| = `sine`.
+    #[inline(always)]
+    pub fn tilt(&self, sine: f64) -> usize {
+        self.sines.iter().map(|edge| usize::from(sine >= *edge)).sum()
     }
 
     /// Cell of light that leaves at a surface `normal` along `direction`.
