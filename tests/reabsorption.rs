@@ -409,10 +409,12 @@ fn what_cannot_be_changed_is_refused() {
     assert!(to(medium(0.0065, "preprint-red", f64::INFINITY)).contains("`medium.host_mu_a_per_mm`"));
     assert!(to(medium(0.0065, "no-such-dye", 0.0)).contains("`medium.dye`"));
     assert!(to(medium(0.1, "preprint-red", 0.0)).contains("mu_s: expected within 10 % of"));
-    let mut other = MediumSection::default();
-    other.volume_fraction = 0.2;
-    assert!(to(other.clone()).contains("mu_s: expected within 10 % of"));
-    other = MediumSection {
+    let other = MediumSection {
+        volume_fraction: 0.2,
+        ..MediumSection::default()
+    };
+    assert!(to(other).contains("mu_s: expected within 10 % of"));
+    let other = MediumSection {
         host_index: NumberOrTable::Number(1.5),
         ..MediumSection::default()
     };
