@@ -1,9 +1,11 @@
 //! Traces dealt over machines and put together again, as typed: the merge is the single run bit for bit, and whatever does
 //! not belong together is refused by name, its files untouched.
 
+use specval::run::YarnArtefact;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 use tempfile::TempDir;
 
 /// A study of 16 batches that runs in a fraction of a second.
@@ -291,4 +293,168 @@ fn shards_that_cannot_be_are_refused() {
         shard(wrong, &["--shard", wrong, "K/N"]);
     }
     shard("3/17", &["3/17", "16", "trace.batches"]);
+}
+
+/// A longer run of the same study, so that it can be killed on its way.
+fn long_folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let long = STUDY.replace("640", "64000").replace("= 64\n", "= 16000\n");
+    fs::write(folder.path().join("study.toml"), long).unwrap();
+    folder
+}
+
+const TRACE: [&str; 4] = ["trace", "study.toml", "--out", "yarn"];
+const STATE: &str = "yarn.state";
+
+/// Runs until there is a state, and no further.
+fn interrupt(folder: &Path, arguments: &[&str]) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_specval"))
+        .current_dir(folder)
+        .args([arguments, &["--checkpoint", "0s"]].concat())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    while !folder.join(STATE).exists() {
+        assert!(child.try_wait().unwrap().is_none(), "ended without a state");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    // SIGKILL: nothing of the program runs any more.
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(folder.join(STATE).exists() && !folder.join("yarn").exists());
+}
+
+/// Batches of the state.
+fn batches(folder: &Path) -> u64 {
+    let file = specval::artefact::Reader::open(folder.join(STATE), specval::artefact::Kind::State).unwrap();
+    file.header()["batches"].as_u64().unwrap()
+}
+
+#[test]
+fn a_killed_trace_goes_on_to_the_same_bytes() {
+    let folder = long_folder();
+    let folder = folder.path();
+    let printed = succeed(folder, &TRACE);
+    let whole = fs::read(folder.join("yarn")).unwrap();
+    fs::remove_file(folder.join("yarn")).unwrap();
+    assert!(!folder.join(STATE).exists());
+    interrupt(folder, &TRACE);
+    let first = batches(folder);
+    interrupt_again(folder, first);
+    let resume = [&TRACE[..], &["--resume", "--threads", "1", "--quiet"]].concat();
+    assert_eq!(succeed(folder, &resume), printed);
+    assert!(fs::read(folder.join("yarn")).unwrap() == whole);
+    let left: Vec<String> = contents(folder).into_iter().map(|file| file.0).collect();
+    assert_eq!(left, ["study.toml", "yarn"]);
+}
+
+/// Goes on by at least one batch and is killed again.
+fn interrupt_again(folder: &Path, first: u64) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_specval"))
+        .current_dir(folder)
+        .args([&TRACE[..], &["--resume", "--quiet", "--checkpoint", "0s"]].concat())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    while batches(folder) <= first {
+        assert!(child.try_wait().unwrap().is_none(), "ended too soon");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+#[test]
+fn states_of_other_runs_are_refused_and_left_alone() {
+    let folder = long_folder();
+    let folder = folder.path();
+    interrupt(folder, &TRACE);
+    let resume = [&TRACE[..], &["--resume"]].concat();
+    let with = |more: &[&str], words: &[&str]| refuse(folder, &[&resume[..], more].concat(), words);
+    with(&["--seed", "9"], &["yarn.state", "`seed`", "9"]);
+    with(
+        &["--paths", "999"],
+        &["yarn.state", "`study.trace.paths_direct`", "999"],
+    );
+    let state = fs::read(folder.join(STATE)).unwrap();
+    let middle = state.len() / 2;
+    let mut changed = state.clone();
+    changed[middle] ^= 4;
+    for damaged in [&state[..middle], &changed, b""] {
+        fs::write(folder.join(STATE), damaged).unwrap();
+        with(&[], &["yarn.state"]);
+    }
+    fs::write(folder.join(STATE), fs::read(folder.join("study.toml")).unwrap()).unwrap();
+    with(&[], &["yarn.state", "state of a run"]);
+}
+
+#[test]
+fn a_trace_stops_at_the_precision_of_the_scattered_light() {
+    let folder = folder();
+    let folder = folder.path();
+    let run = [&TRACE[..], &["--until", "abs 0.01"]].concat();
+    let text = succeed(folder, &run);
+    assert!(text.contains("stopped by precision"), "{text}");
+    let yarn = YarnArtefact::read(&folder.join("yarn")).unwrap();
+    let largest = yarn.energy.iter().map(|row| row.scattered_se).fold(0.0, f64::max);
+    assert!(
+        yarn.batches >= 8 && largest > 0.0 && largest <= 0.01,
+        "{} {largest}",
+        yarn.batches
+    );
+    // With the paths typed they are the most that are traced.
+    let run = [&TRACE[..], &["--until", "rel 1e-9 scattered", "--paths", "640"]].concat();
+    assert!(succeed(folder, &run).contains("stopped by paths"));
+    assert_eq!(YarnArtefact::read(&folder.join("yarn")).unwrap().batches, 16);
+    refuse(
+        folder,
+        &[&TRACE[..], &["--until", "rel 1% curves"]].concat(),
+        &["--until", "scattered", "curves"],
+    );
+}
+
+#[test]
+fn a_state_of_more_than_was_asked_for_is_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    interrupt(folder, &[&TRACE[..], &["--until", "abs 1e-5"]].concat());
+    let until = |precision: &str, more: &[&str]| {
+        let run = [
+            &TRACE[..],
+            &["--resume", "--checkpoint", "0s", "--until", precision],
+            more,
+        ]
+        .concat();
+        run.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>()
+    };
+    let child = Command::new(env!("CARGO_BIN_EXE_specval"))
+        .current_dir(folder)
+        .args(until("abs 1e-5", &["--quiet"]))
+        .stdout(Stdio::null())
+        .spawn();
+    let mut child = child.unwrap();
+    while batches(folder) <= 20 {
+        assert!(child.try_wait().unwrap().is_none(), "ended too soon");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let found = batches(folder).to_string();
+    refuse(
+        folder,
+        &[&TRACE[..], &["--resume"]].concat(),
+        &["yarn.state", "at most 16 batches", &found],
+    );
+    let coarse = until("abs 0.5", &[]);
+    let coarse: Vec<&str> = coarse.iter().map(String::as_str).collect();
+    refuse(folder, &coarse, &["yarn.state", "at most 8 batches", &found]);
+}
+
+#[test]
+fn shards_do_not_stop_half_way() {
+    let folder = folder();
+    for option in [&["--until", "rel 1%"][..], &["--max-time", "1s"], &["--resume"]] {
+        let shard = [&TRACE[..], &["--shard", "1/2"], option].concat();
+        refuse(folder.path(), &shard, &["--shard", option[0]]);
+    }
 }

@@ -4,7 +4,7 @@
 use specval::geometry::Vec3;
 use specval::optics::Medium;
 use specval::report::EnergyRow;
-use specval::run::{NoticeKind, Plan, RunError, YarnArtefact, YarnTracer, reabsorb, trace_yarn};
+use specval::run::{NoticeKind, Plan, RunError, YarnArtefact, YarnSums, YarnTracer, reabsorb};
 use specval::spectrum::WavelengthGrid;
 use specval::study::{EstimatorChoice, MediumSection, NumberOrTable, Study};
 use specval::transport::{Coefficients, Cylinder, Entry, Interior, Purpose, Roulette, Stream, Walk};
@@ -54,7 +54,9 @@ fn medium(kappa_peak: f64, dye: &str, host_mu_a: f64) -> MediumSection {
 fn trace(seed: u64, medium: MediumSection) -> YarnArtefact {
     let plan = Plan::new(study(seed, medium)).unwrap();
     let tracer = YarnTracer::new(&plan).unwrap();
-    YarnArtefact::new(tracer.layout(), trace_yarn(&tracer, &|_| ()).unwrap())
+    let mut sums = YarnSums::new(&tracer.layout());
+    (0..tracer.layout().batches()).for_each(|batch| sums.add(tracer.batch(batch).unwrap()));
+    YarnArtefact::new(tracer.layout(), sums)
 }
 
 /// The built-in yarn.

@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     merging.finish();
     let artefact = artefact?;
     artefact.write(out)?;
-    print_ledger(&artefact.energy, terminal)
+    print_ledger(&artefact.energy, None, terminal)
 }
 
 /// Whether both lead to one file, by whatever links.

@@ -1,7 +1,8 @@
-use super::{Failure, Options, Terminal, study};
-use specval::report::{EnergyRow, check_writable, ledger_ranges, ledger_table};
-use specval::run::{self, Plan, Shard, YarnArtefact, YarnTracer};
+use super::{Failure, Limits, Options, Terminal, state_beside, study};
+use specval::report::{EnergyRow, check_writable, effort_line, ledger_ranges, ledger_table};
+use specval::run::{self, Plan, Precision, PrecisionError, Schedule, Shard, Watched, YarnSums, YarnTracer};
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// Traces the yarn and keeps the ledger, the BSSRDF and the radiance factor f*, all of it also by path length.
 #[derive(Debug, clap::Args)]
@@ -15,27 +16,94 @@ pub struct Arguments {
     /// Trace only the batches of shard K of N, for `specval merge`.
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
+    /// Go on until the standard error of the ledger's scattered fraction, at every wavelength and incident direction, is
+    /// below this: "rel 5%" or "abs 0.001". Makes more batches than the study if need be, or with --paths no more than those.
+    #[arg(long, value_name = "PRECISION", value_parser = scattered, help_heading = "How long")]
+    until: Option<Precision>,
+    #[command(flatten)]
+    limits: Limits,
+}
+
+/// Options that a shard cannot have.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "--shard with {option}: expected one of the two, since a shard is always its own part of the study's batches; leave {option} \
+     out, or trace without --shard"
+)]
+struct ShardWith {
+    option: &'static str,
 }
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
     let plan = Plan::new(study::load(arguments.study.as_deref(), options)?)?;
     check_writable(&arguments.out)?;
     let tracer = YarnTracer::new(&plan)?;
-    let tracing = terminal.progress("tracing the yarn");
-    let energy = match arguments.shard {
-        Some(shard) => run::trace_shard(&tracer, shard, &arguments.out, &|share| tracing.advance(share))?,
-        None => {
-            let sums = run::trace_yarn(&tracer, &|share| tracing.advance(share))?;
-            let artefact = YarnArtefact::new(tracer.layout(), sums);
-            artefact.write(&arguments.out)?;
-            artefact.energy
+    match arguments.shard {
+        Some(shard) => {
+            arguments.expect_whole_shard()?;
+            let tracing = terminal.progress("tracing the yarn");
+            let energy = run::trace_shard(&tracer, shard, &arguments.out, &|share| tracing.advance(share));
+            tracing.finish();
+            print_ledger(&energy?, None, terminal)
         }
-    };
-    tracing.finish();
-    print_ledger(&energy, terminal)
+        None => arguments.trace(&tracer, options, terminal),
+    }
 }
 
-/// The range of each fraction over wavelengths and directions.
-pub fn print_ledger(energy: &[EnergyRow], terminal: &Terminal) -> Result<(), Failure> {
-    terminal.result(&ledger_ranges(energy), |_| ledger_table(energy))
+impl Arguments {
+    fn trace(&self, tracer: &YarnTracer, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
+        let start = Instant::now();
+        let layout = tracer.layout();
+        let limits = &self.limits;
+        let state = state_beside(&self.out);
+        let mut resumed = None;
+        if limits.resume {
+            resumed = YarnSums::load(&layout, &state)?;
+            limits.notice_resumed(&state, resumed.as_ref().map(|sums| sums.ledgers.len()), terminal);
+        }
+        let tracing = terminal.progress("tracing the yarn");
+        let schedule = Schedule {
+            rule: &limits.rule(self.until, layout.batches(), options),
+            round: YarnTracer::ROUND,
+            checkpoint: Some(limits.checkpoint),
+            clock: &|| start.elapsed(),
+            progress: &|share| tracing.advance(share),
+        };
+        let traced = run::trace_yarn(tracer, resumed, &state, &schedule);
+        tracing.finish();
+        let (artefact, effort) = traced?;
+        artefact.write(&self.out)?;
+        run::remove_state(&state)?;
+        let asked = self.until.is_some() || limits.max_time.is_some();
+        print_ledger(&artefact.energy, asked.then(|| effort_line(&effort)), terminal)
+    }
+
+    fn expect_whole_shard(&self) -> Result<(), ShardWith> {
+        let typed = [
+            ("--until", self.until.is_some()),
+            ("--max-time", self.limits.max_time.is_some()),
+            ("--resume", self.limits.resume),
+        ];
+        match typed.into_iter().find(|(_, typed)| *typed) {
+            Some((option, _)) => Err(ShardWith { option }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A precision of the ledger's scattered fractions.
+fn scattered(text: &str) -> Result<Precision, PrecisionError> {
+    Precision::parse(text, Watched::Scattered, &[])
+}
+
+/// The range of each fraction over wavelengths and directions, and behind it, but not in the JSON, a line.
+pub fn print_ledger(energy: &[EnergyRow], line: Option<String>, terminal: &Terminal) -> Result<(), Failure> {
+    terminal.result(&ledger_ranges(energy), |_| {
+        let mut text = ledger_table(energy);
+        if let Some(line) = line {
+            text += &line;
+            text.push('\n');
+        }
+        text
+    })
 }

@@ -8,8 +8,10 @@ mod plan;
 mod reabsorb;
 mod report;
 mod simulate;
+mod state;
 mod stop;
 mod trace;
+mod watch;
 
 pub use artefact::{
     LengthTable, MediumValues, Shard, ShardError, Systematic, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings,
@@ -22,8 +24,10 @@ pub use plan::{Plan, RunError, medium};
 pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};
 pub use report::{report, report_geometries};
 pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};
+pub use state::{StateFile, remove_state};
 pub use stop::{Precision, PrecisionError, StopRule, StoppedBy, Tolerance, Watched};
 pub use trace::{YarnBatch, YarnSums, YarnTracer, trace_yarn};
+pub use watch::Watch;
 
 /// Told of finished work, in shares of the whole that sum to 1.
 pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);

@@ -15,7 +15,7 @@ use crate::study::{
 };
 use crate::transport::{Cylinder, Roulette};
 use crate::yarn::{BssrdfGrid, Effort, Estimator, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn, YarnError};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Why a study cannot be run.
 #[derive(Debug, thiserror::Error)]
@@ -58,6 +58,16 @@ pub enum RunError {
     },
     #[error(transparent)]
     Shard(#[from] ShardError),
+    #[error(
+        "{}: expected the state of at most {most} batches, with which this run would end, found {found}; ask for as much as \
+         the run that left it, or remove it and start from the beginning", path.display()
+    )]
+    StateTooFar { path: PathBuf, found: usize, most: usize },
+    #[error(
+        "the ratios of Table 1 are of normal incidence and view: expected both in `[rig]`, found none; add incidence 0 and \
+         view 0, or ask for the precision of `curves`"
+    )]
+    NoNormal,
 }
 
 /// A study with every value checked, every file read and every name resolved: what a run takes.

@@ -1,4 +1,3 @@
-use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
@@ -15,13 +14,23 @@ pub struct StopRule {
 }
 
 /// Which part of the rule ended a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoppedBy {
     /// Every batch, hence every path, that was allowed.
     Paths,
     Precision,
     Time,
+}
+
+impl StoppedBy {
+    /// As reports and artefacts say it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Paths => "paths",
+            Self::Precision => "precision",
+            Self::Time => "time",
+        }
+    }
 }
 
 impl StopRule {
@@ -92,6 +101,13 @@ impl Tolerance {
         }
     }
 
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Relative(_) => "rel",
+            Self::Absolute(_) => "abs",
+        }
+    }
+
     /// A standard error as the tolerance counts it. No value at all (0) is known with no relative error only if it has
     /// none.
     pub fn error(&self, value: f64, se: f64) -> f64 {
@@ -110,29 +126,59 @@ pub enum Watched {
     Curves,
     /// BLUE/RED and GREEN/RED of the model in Table 1.
     Ratios,
+    /// Scattered fraction of the ledger at every wavelength and incident direction.
+    Scattered,
+}
+
+impl Watched {
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Curves => "curves",
+            Self::Ratios => "ratios",
+            Self::Scattered => "scattered",
+        }
+    }
 }
 
 /// A precision that cannot be understood.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "expected `rel` or `abs`, a number > 0 and, if you like, `curves` or `ratios`, such as \"rel 1%\" or \"abs 0.001 ratios\"; \
+    "expected `rel` or `abs`, a number > 0 and, if you like, {allowed}, such as \"rel 1%\" or \"abs 0.001 {example}\"; \
      found {found}"
 )]
 pub struct PrecisionError {
+    /// Quantities that may be named.
+    allowed: String,
+    example: &'static str,
     found: String,
 }
 
 impl FromStr for Precision {
     type Err = PrecisionError;
 
+    /// Of the curves, unless the ratios are named.
     fn from_str(text: &str) -> Result<Self, PrecisionError> {
-        let wrong = |found: String| PrecisionError { found };
-        let mut words: Vec<&str> = text.split_whitespace().collect();
-        let of = match words.last() {
-            Some(&"curves") => Some(Watched::Curves),
-            Some(&"ratios") => Some(Watched::Ratios),
-            _ => None,
+        Self::parse(text, Watched::Curves, &[Watched::Ratios])
+    }
+}
+
+impl Precision {
+    /// Of one quantity, unless one of the others is named.
+    pub fn parse(text: &str, default: Watched, others: &[Watched]) -> Result<Self, PrecisionError> {
+        let quantities: Vec<Watched> = [default].into_iter().chain(others.iter().copied()).collect();
+        let wrong = |found: String| PrecisionError {
+            allowed: quantities
+                .iter()
+                .map(|of| format!("`{}`", of.word()))
+                .collect::<Vec<_>>()
+                .join(" or "),
+            example: quantities[quantities.len() - 1].word(),
+            found,
         };
+        let mut words: Vec<&str> = text.split_whitespace().collect();
+        let of = words
+            .last()
+            .and_then(|last| quantities.iter().copied().find(|of| of.word() == *last));
         if of.is_some() {
             words.pop();
         }
@@ -155,25 +201,7 @@ impl FromStr for Precision {
         };
         Ok(Self {
             tolerance,
-            of: of.unwrap_or(Watched::Curves),
-        })
-    }
-}
-
-impl fmt::Display for Tolerance {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Relative(size) => write!(f, "rel {size}"),
-            Self::Absolute(size) => write!(f, "abs {size}"),
-        }
-    }
-}
-
-impl fmt::Display for Watched {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Curves => "curves",
-            Self::Ratios => "ratios",
+            of: of.unwrap_or(default),
         })
     }
 }
@@ -181,6 +209,12 @@ impl fmt::Display for Watched {
 /// In the words it is read from.
 impl fmt::Display for Precision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.tolerance, self.of)
+        write!(
+            f,
+            "{} {} {}",
+            self.tolerance.word(),
+            self.tolerance.size(),
+            self.of.word()
+        )
     }
 }

@@ -1,9 +1,12 @@
-use super::artefact::YarnLayout;
-use super::{Plan, Progress, RunError};
+use super::artefact::{YarnArtefact, YarnLayout};
+use super::simulate::effort_note;
+use super::{Gather, Plan, Precision, RunError, Schedule, Tolerance, Watched, gather};
+use crate::report::EffortNote;
 use crate::transport::{BatchSums, Ledger};
 use crate::yarn::{
     BssrdfGrid, DirectBatch, DirectTracer, EnergyTracer, LengthBins, LengthSums, LengthTally, PatchTracer,
 };
+use std::path::Path;
 
 /// Everything one batch of tracing tells about the yarn alone.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +33,9 @@ pub struct YarnTracer<'a> {
 }
 
 impl<'a> YarnTracer<'a> {
+    /// Batches to have under way at once. Each takes hundreds of megabytes, and keeps all threads busy by itself.
+    pub const ROUND: usize = 1;
+
     pub fn new(plan: &'a Plan) -> Result<Self, RunError> {
         Ok(Self {
             plan,
@@ -110,13 +116,103 @@ impl YarnSums {
     }
 }
 
-/// Traces all batches of a study.
-pub fn trace_yarn(tracer: &YarnTracer, progress: Progress) -> Result<YarnSums, RunError> {
-    let layout = tracer.layout();
-    let mut sums = YarnSums::new(&layout);
-    for batch in 0..layout.batches() {
-        sums.add(tracer.batch(batch)?);
-        progress(1.0 / layout.batches() as f64);
+/// Batches of a trace so far.
+struct Tracing<'a> {
+    tracer: &'a YarnTracer<'a>,
+    layout: YarnLayout,
+    sums: YarnSums,
+    scattered: BatchSums,
+    tolerance: Option<Tolerance>,
+    state: &'a Path,
+}
+
+impl Tracing<'_> {
+    /// Takes one batch's scattered fractions into what the stop rule watches.
+    fn watch(scattered: &mut BatchSums, ledgers: &[Ledger]) {
+        let fractions: Vec<f64> = ledgers.iter().map(|ledger| ledger.scattered).collect();
+        scattered.add(&fractions);
     }
-    Ok(sums)
+}
+
+impl Gather for Tracing<'_> {
+    type Batch = YarnBatch;
+    type Error = RunError;
+
+    fn batches(&self) -> usize {
+        self.sums.ledgers.len()
+    }
+
+    fn make(&self, batch: usize) -> Result<YarnBatch, RunError> {
+        self.tracer.batch(batch)
+    }
+
+    fn accept(&mut self, batch: YarnBatch) {
+        Self::watch(&mut self.scattered, &batch.ledgers);
+        self.sums.add(batch);
+    }
+
+    fn largest_error(&self) -> Option<f64> {
+        largest_error(&self.scattered, self.tolerance?)
+    }
+
+    fn save(&self) -> Result<(), RunError> {
+        self.sums.save(&self.layout, self.state)
+    }
+}
+
+/// Largest standard error of the ledger's scattered fractions over wavelengths and directions, as the tolerance counts
+/// it; none for fewer than two batches.
+fn largest_error(scattered: &BatchSums, tolerance: Tolerance) -> Option<f64> {
+    if scattered.batches < 2 {
+        return None;
+    }
+    (0..scattered.sum.len())
+        .map(|i| scattered.estimate(i))
+        .map(|estimate| tolerance.error(estimate.value, estimate.se))
+        .max_by(f64::total_cmp)
+}
+
+/// Traces until the schedule's rule says stop; its precision is that of the ledger's scattered fractions. Goes on from
+/// `resumed`, if there is one, and keeps the state in the file `state`.
+///
+/// # Errors
+/// A state of more batches than this rule would have let a run make.
+pub fn trace_yarn(
+    tracer: &YarnTracer,
+    resumed: Option<YarnSums>,
+    state: &Path,
+    schedule: &Schedule,
+) -> Result<(YarnArtefact, EffortNote), RunError> {
+    let layout = tracer.layout();
+    let rule = schedule.rule;
+    let tolerance = rule.precision.map(|precision| precision.tolerance);
+    let mut scattered = BatchSums::zeros(layout.incident.traced() * layout.wavelengths());
+    let sums = resumed.unwrap_or_else(|| YarnSums::new(&layout));
+    for (batches, ledgers) in sums.ledgers.iter().enumerate() {
+        let error = || largest_error(&scattered, tolerance?);
+        if rule.reached(batches, error).is_some() {
+            return Err(RunError::StateTooFar {
+                path: state.to_owned(),
+                found: sums.ledgers.len(),
+                most: batches,
+            });
+        }
+        Tracing::watch(&mut scattered, ledgers);
+    }
+    let mut tracing = Tracing {
+        tracer,
+        layout,
+        sums,
+        scattered,
+        tolerance,
+        state,
+    };
+    let outcome = gather(&mut tracing, schedule)?;
+    // Without a precision nothing is watched, and its largest error is none.
+    let watched = rule.precision.unwrap_or(Precision {
+        tolerance: Tolerance::Absolute(0.0),
+        of: Watched::Scattered,
+    });
+    let effort = effort_note(tracer.plan, rule, &outcome, watched);
+    Ok((YarnArtefact::new(tracing.layout, tracing.sums), effort))
 }

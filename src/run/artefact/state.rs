@@ -1,10 +1,11 @@
 use super::YarnLayout;
 use super::batch_arrays::{flat, from_flat, ledgers};
 use super::layout::parse;
-use crate::artefact::{ElementType, Kind, Reader, Writer};
+use crate::artefact::{ArtefactError, ElementType, Kind, Reader, Writer};
 use crate::run::{RunError, YarnSums};
 use crate::transport::{BatchSums, Ledger};
 use crate::yarn::LengthSums;
+use std::io;
 use std::path::Path;
 
 impl YarnSums {
@@ -50,9 +51,16 @@ impl YarnSums {
         Ok(file.finish()?)
     }
 
-    /// Reads where a run of this layout stood, bit for bit; the state of another run is refused.
-    pub fn load(layout: &YarnLayout, path: &Path) -> Result<Self, RunError> {
-        let mut file = Reader::open(path, Kind::State)?;
+    /// Reads where a run of this layout stood, bit for bit; `None` where there is no file. The state of another run is
+    /// refused, and stays as it is.
+    pub fn load(layout: &YarnLayout, path: &Path) -> Result<Option<Self>, RunError> {
+        let mut file = match Reader::open(path, Kind::State) {
+            Ok(file) => file,
+            Err(ArtefactError::NotReadable { cause, .. }) if cause.kind() == io::ErrorKind::NotFound => {
+                return Ok(None);
+            }
+            Err(error) => return Err(error.into()),
+        };
         file.expect(&layout.identity()?)?;
         let batches: usize = parse(path, Kind::State, "header.batches", &file.header()["batches"])?;
         let mut of_batches: Vec<Vec<Ledger>> = Vec::new();
@@ -73,7 +81,7 @@ impl YarnSums {
         let summed = sums("radiance_factor_bssrdf", &factor)?;
         let bssrdf = sums("bssrdf_fraction", &layout.bssrdf().shape)?;
         let [amount, moment] = layout.factor_by_length();
-        Ok(Self {
+        Ok(Some(Self {
             ledgers: of_batches,
             energy_by_length,
             direct,
@@ -85,6 +93,6 @@ impl YarnSums {
                 square: file.array("by_length.square", &amount.shape)?,
                 moment_mm: file.array("by_length.moment", &moment.shape)?,
             },
-        })
+        }))
     }
 }
