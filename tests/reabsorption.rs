@@ -4,7 +4,7 @@
 use specval::geometry::Vec3;
 use specval::optics::Medium;
 use specval::report::EnergyRow;
-use specval::run::{NoticeKind, Plan, RunError, YarnArtefact, YarnTracer, reabsorb, trace_yarn};
+use specval::run::{NoticeKind, Plan, RunError, YarnArtefact, YarnSums, YarnTracer, reabsorb};
 use specval::spectrum::WavelengthGrid;
 use specval::study::{EstimatorChoice, MediumSection, NumberOrTable, Study};
 use specval::transport::{Coefficients, Cylinder, Entry, Interior, Purpose, Roulette, Stream, Walk};
@@ -54,7 +54,9 @@ fn medium(kappa_peak: f64, dye: &str, host_mu_a: f64) -> MediumSection {
 fn trace(seed: u64, medium: MediumSection) -> YarnArtefact {
     let plan = Plan::new(study(seed, medium)).unwrap();
     let tracer = YarnTracer::new(&plan).unwrap();
-    YarnArtefact::new(tracer.layout(), trace_yarn(&tracer, &|_| ()).unwrap())
+    let mut sums = YarnSums::new(&tracer.layout());
+    (0..tracer.layout().batches()).for_each(|batch| sums.add(tracer.batch(batch).unwrap()));
+    YarnArtefact::new(tracer.layout(), sums)
 }
 
 /// The built-in yarn.
@@ -408,10 +410,12 @@ fn what_cannot_be_changed_is_refused() {
     assert!(to(medium(0.0065, "preprint-red", f64::INFINITY)).contains("`medium.host_mu_a_per_mm`"));
     assert!(to(medium(0.0065, "no-such-dye", 0.0)).contains("`medium.dye`"));
     assert!(to(medium(0.1, "preprint-red", 0.0)).contains("mu_s: expected within 10 % of"));
-    let mut other = MediumSection::default();
-    other.volume_fraction = 0.2;
-    assert!(to(other.clone()).contains("mu_s: expected within 10 % of"));
-    other = MediumSection {
+    let other = MediumSection {
+        volume_fraction: 0.2,
+        ..MediumSection::default()
+    };
+    assert!(to(other).contains("mu_s: expected within 10 % of"));
+    let other = MediumSection {
         host_index: NumberOrTable::Number(1.5),
         ..MediumSection::default()
     };
