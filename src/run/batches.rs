@@ -73,7 +73,12 @@ pub fn gather<G: Gather>(gathered: &mut G, schedule: &Schedule) -> Result<Outcom
             });
         }
         let shared = &*gathered;
-        let made: Vec<Option<Result<G::Batch, G::Error>>> = (first..(first + schedule.round.max(1)).min(rule.batches))
+        // The least that is made comes first, with nothing beside it, if time may end the run there.
+        let round = match StopRule::LEAST.saturating_sub(first) {
+            least if least > 0 && rule.max_time.is_some() => least.min(schedule.round),
+            _ => schedule.round,
+        };
+        let made: Vec<Option<Result<G::Batch, G::Error>>> = (first..(first + round.max(1)).min(rule.batches))
             .into_par_iter()
             .map(|batch| {
                 // Begins none after the time is over.

@@ -75,8 +75,11 @@ impl Shape for Cylinder {
 
     #[inline(always)]
     fn surface(&self, [x, y, z]: [f64; 3], _: [f64; 3]) -> [[f64; 3]; 2] {
-        let inverse = 1.0 / (x * x + z * z).sqrt();
+        let inverse = 1.0 / self.radius_mm;
         let normal = [x * inverse, 0.0, z * inverse];
+        // One Newton step brings a length of 1 to rounding exactly back to it.
+        let scale = 1.5 - 0.5 * (normal[0] * normal[0] + normal[2] * normal[2]);
+        let normal = [normal[0] * scale, 0.0, normal[2] * scale];
         [[normal[0] * self.radius_mm, y, normal[2] * self.radius_mm], normal]
     }
 }
