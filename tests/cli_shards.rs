@@ -308,20 +308,31 @@ const STATE: &str = "yarn.state";
 
 /// Runs until there is a state, and no further.
 fn interrupt(folder: &Path, arguments: &[&str]) {
+    kill_when(folder, arguments, || folder.join(STATE).exists());
+    assert!(folder.join(STATE).exists() && !folder.join("yarn").exists());
+}
+
+/// Goes on until the state has more batches than this, and no further.
+fn interrupt_again(folder: &Path, arguments: &[&str], batches_before: u64) {
+    let resume = [arguments, &["--resume"]].concat();
+    kill_when(folder, &resume, || batches(folder) > batches_before);
+}
+
+fn kill_when(folder: &Path, arguments: &[&str], it_is_time: impl Fn() -> bool) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_specval"))
         .current_dir(folder)
         .args([arguments, &["--checkpoint", "0s"]].concat())
         .stdout(Stdio::null())
+        .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    while !folder.join(STATE).exists() {
-        assert!(child.try_wait().unwrap().is_none(), "ended without a state");
+    while !it_is_time() {
+        assert!(child.try_wait().unwrap().is_none(), "{arguments:?} ended too soon");
         std::thread::sleep(Duration::from_millis(2));
     }
     // SIGKILL: nothing of the program runs any more.
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(folder.join(STATE).exists() && !folder.join("yarn").exists());
 }
 
 /// Batches of the state.
@@ -340,28 +351,12 @@ fn a_killed_trace_goes_on_to_the_same_bytes() {
     assert!(!folder.join(STATE).exists());
     interrupt(folder, &TRACE);
     let first = batches(folder);
-    interrupt_again(folder, first);
+    interrupt_again(folder, &TRACE, first);
     let resume = [&TRACE[..], &["--resume", "--threads", "1", "--quiet"]].concat();
     assert_eq!(succeed(folder, &resume), printed);
     assert!(fs::read(folder.join("yarn")).unwrap() == whole);
     let left: Vec<String> = contents(folder).into_iter().map(|file| file.0).collect();
     assert_eq!(left, ["study.toml", "yarn"]);
-}
-
-/// Goes on by at least one batch and is killed again.
-fn interrupt_again(folder: &Path, first: u64) {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_specval"))
-        .current_dir(folder)
-        .args([&TRACE[..], &["--resume", "--quiet", "--checkpoint", "0s"]].concat())
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap();
-    while batches(folder) <= first {
-        assert!(child.try_wait().unwrap().is_none(), "ended too soon");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
 }
 
 #[test]
@@ -417,37 +412,16 @@ fn a_trace_stops_at_the_precision_of_the_scattered_light() {
 fn a_state_of_more_than_was_asked_for_is_refused() {
     let folder = folder();
     let folder = folder.path();
-    interrupt(folder, &[&TRACE[..], &["--until", "abs 1e-5"]].concat());
-    let until = |precision: &str, more: &[&str]| {
-        let run = [
-            &TRACE[..],
-            &["--resume", "--checkpoint", "0s", "--until", precision],
-            more,
-        ]
-        .concat();
-        run.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>()
-    };
-    let child = Command::new(env!("CARGO_BIN_EXE_specval"))
-        .current_dir(folder)
-        .args(until("abs 1e-5", &["--quiet"]))
-        .stdout(Stdio::null())
-        .spawn();
-    let mut child = child.unwrap();
-    while batches(folder) <= 20 {
-        assert!(child.try_wait().unwrap().is_none(), "ended too soon");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
+    let until = |precision: &'static str| [&TRACE[..], &["--until", precision]].concat();
+    interrupt(folder, &until("abs 1e-5"));
+    interrupt_again(folder, &until("abs 1e-5"), 20);
     let found = batches(folder).to_string();
-    refuse(
-        folder,
-        &[&TRACE[..], &["--resume"]].concat(),
-        &["yarn.state", "at most 16 batches", &found],
-    );
-    let coarse = until("abs 0.5", &[]);
-    let coarse: Vec<&str> = coarse.iter().map(String::as_str).collect();
-    refuse(folder, &coarse, &["yarn.state", "at most 8 batches", &found]);
+    let resume = |arguments: &[&str], most: &str| {
+        let arguments = [arguments, &["--resume", "--quiet"]].concat();
+        refuse(folder, &arguments, &["yarn.state", most, &found]);
+    };
+    resume(&TRACE, "at most 16 batches");
+    resume(&until("abs 0.5"), "at most 8 batches");
 }
 
 #[test]

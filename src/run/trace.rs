@@ -123,6 +123,8 @@ struct Tracing<'a> {
     sums: YarnSums,
     scattered: BatchSums,
     tolerance: Option<Tolerance>,
+    /// Batches with which the run ends in any case.
+    most: usize,
     state: &'a Path,
 }
 
@@ -156,6 +158,10 @@ impl Gather for Tracing<'_> {
     }
 
     fn save(&self) -> Result<(), RunError> {
+        if self.batches() >= self.most {
+            // The artefact comes next, and is no larger.
+            return Ok(());
+        }
         self.sums.save(&self.layout, self.state)
     }
 }
@@ -205,6 +211,7 @@ pub fn trace_yarn(
         sums,
         scattered,
         tolerance,
+        most: rule.batches,
         state,
     };
     let outcome = gather(&mut tracing, schedule)?;
