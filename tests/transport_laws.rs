@@ -1,103 +1,128 @@
-//! Laws of the kernel: every path's energy is accounted for, whatever the body, the angle and the absorption.
+//! Laws of the kernel: every path's energy is accounted for, whatever the body, the angle and the absorption. One
+//! wavelength: its ledger closes path by path. (Paths that wavelengths share close in the mean: `estimators.rs`.)
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use rand::RngExt;
 use specval::geometry::Vec3;
 use specval::optics::{HenyeyGreenstein, Phase};
-use specval::transport::{Cylinder, Interior, Ledger, LedgerEntry, Purpose, Roulette, Shape, Slab, Stream, Walk};
+use specval::transport::{
+    Coefficients, Cylinder, Entry, Interior, Ledger, LedgerEntry, Purpose, Roulette, Shape, Slab, Stream, Walk,
+};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Rounding of a ledger: some hundred terms at most, each below 1.
+/// Rounding of a path's ledger: some hundred terms at most, each below 1.
 const ROUNDING: f64 = 1e-12;
+const DIRECTIONS: usize = 24;
+const BATCHES: usize = 50;
+const PATHS: usize = 40;
 
 fn phase() -> Phase {
     Phase::HenyeyGreenstein(HenyeyGreenstein::new(0.3).unwrap())
 }
 
 fn interior(phase: &Phase, mu_s: f64, mu_a: f64) -> Interior<'_> {
-    Interior {
-        index: 1.557,
-        mu_s,
-        mu_a,
-        phase,
+    Interior::new(1.557, &[Coefficients { mu_s, mu_a, phase }]).unwrap()
+}
+
+/// Light at `position` on the top of a body, where the normal is z.
+fn entry(position: Vec3, omega_in: Vec3) -> Entry<()> {
+    Entry {
+        position,
+        normal: Vec3::z(),
+        omega_in,
+        tag: (),
     }
 }
 
-/// Mean ledger of each of the directions of a grid over the hemisphere, in batches; `each` sees every path's.
-fn directions<S: Shape>(walk: &Walk<'_, S>, entry: &Vec3, mut each: impl FnMut(&Ledger)) -> Vec<LedgerEntry> {
-    let (batches, paths) = (50, 100);
-    let mut entries = Vec::new();
-    for direction in 0..24 {
-        let zenith = (f64::from(direction % 6) + 0.5) / 6.0 * FRAC_PI_2;
-        let azimuth = f64::from(direction / 6) / 4.0 * TAU + 0.1;
+/// Ledgers of single paths from the directions of a grid over the hemisphere: \[direction\]\[batch\]\[path\].
+fn single_paths<S: Shape>(walk: &Walk<'_, S>, position: Vec3) -> Vec<Vec<Vec<Ledger>>> {
+    let trace = |direction: usize, batch: usize| -> Vec<Ledger> {
+        let zenith = ((direction % 6) as f64 + 0.5) / 6.0 * FRAC_PI_2;
+        let azimuth = (direction / 6) as f64 / 4.0 * TAU + 0.1;
         let omega_in = Vec3::new(zenith.sin() * azimuth.cos(), zenith.sin() * azimuth.sin(), zenith.cos());
-        let ledgers: Vec<Ledger> = (0..batches)
-            .map(|batch| {
-                let mut rng = Stream::open(3, Purpose::Validation, direction as usize, batch, 0);
-                let mut sum = Ledger::default();
-                for _ in 0..paths {
-                    let mut exits = Ledger::default();
-                    let ledger = walk.run(&mut rng, entry, &Vec3::z(), &omega_in, |exit| {
+        (0..PATHS)
+            .map(|path| {
+                let stream = Stream::open(3, Purpose::Validation, direction, batch, path);
+                let mut exits = Ledger::default();
+                let ledgers = walk.trace(
+                    stream,
+                    1,
+                    |_| entry(position, omega_in),
+                    |exit| {
+                        let [weight] = exit.weights[..] else {
+                            panic!("one wavelength, {} weights", exit.weights.len())
+                        };
                         assert!((exit.direction.norm() - 1.0).abs() < ROUNDING);
-                        assert!(exit.direction.dot(&exit.normal) >= 0.0 && exit.weight >= 0.0);
+                        assert!((exit.normal.norm() - 1.0).abs() < ROUNDING);
+                        assert!(exit.direction.dot(&exit.normal) >= 0.0 && weight >= 0.0);
                         if exit.scattered {
-                            exits.scattered += exit.weight;
+                            exits.scattered += weight;
                         } else {
-                            exits.ballistic += exit.weight;
+                            exits.ballistic += weight;
                         }
-                    });
-                    assert!((exits.scattered - ledger.scattered).abs() < ROUNDING);
-                    assert!((exits.ballistic - ledger.ballistic).abs() < ROUNDING);
-                    each(&ledger);
-                    sum.add(&ledger);
-                }
-                sum.scaled(1.0 / f64::from(paths))
+                    },
+                );
+                let [ledger] = ledgers[..] else {
+                    panic!("one wavelength, {} ledgers", ledgers.len())
+                };
+                assert!((exits.scattered - ledger.scattered).abs() < ROUNDING);
+                assert!((exits.ballistic - ledger.ballistic).abs() < ROUNDING);
+                ledger
             })
-            .collect();
-        entries.push(LedgerEntry::from_batches(&ledgers));
-    }
-    entries
+            .collect()
+    };
+    (0..DIRECTIONS)
+        .map(|direction| (0..BATCHES).map(|batch| trace(direction, batch)).collect())
+        .collect()
 }
 
-/// False alarms: 48 directions and bodies, |t| > 4 with 49 degrees of freedom has probability 2.1e-4: 1 %.
+/// Roulette's net: 48 directions and bodies, Student's t with 49 degrees of freedom, false alarms 0.1 %.
 #[test]
 fn white_furnace() {
     let phase = phase();
-    let cylinder = Cylinder::new(0.15).unwrap();
-    let slab = Slab::new(0.3).unwrap();
-    let closed = |ledger: &Ledger| {
-        let sum = ledger.reflected + ledger.ballistic + ledger.scattered + ledger.roulette;
-        assert!((sum - 1.0).abs() <= ROUNDING && ledger.absorbed == 0.0, "{ledger:?}");
-    };
+    let interior = &interior(&phase, 6.0, 0.0);
     let roulette = Roulette::default();
-    let interior = interior(&phase, 6.0, 0.0);
-    let entry = cylinder.at(0.0);
-    let shape = &cylinder;
-    let mut entries = directions(
+    let cylinder = &Cylinder::new(0.15).unwrap();
+    let slab = &Slab::new(0.3).unwrap();
+    let mut ledgers = single_paths(
         &Walk {
-            shape,
+            shape: cylinder,
             interior,
             roulette,
         },
-        &entry,
-        closed,
+        cylinder.at(0.0),
     );
-    let shape = &slab;
-    entries.extend(directions(
+    ledgers.extend(single_paths(
         &Walk {
-            shape,
+            shape: slab,
             interior,
             roulette,
         },
-        &Vec3::zeros(),
-        closed,
+        Vec3::zeros(),
     ));
-    assert_eq!(entries.len(), 48);
-    for entry in entries {
-        assert!(entry.mean.residual().abs() <= ROUNDING, "{entry:?}");
+    let entries = ledgers.len();
+    let limit = StudentsT::new(0.0, 1.0, (BATCHES - 1) as f64)
+        .unwrap()
+        .inverse_cdf(1.0 - 0.5 * (1.0 - 0.999f64.powf(1.0 / entries as f64)));
+    assert_eq!(entries, 48);
+    for direction in ledgers {
+        let mut batches = Vec::new();
+        for paths in direction {
+            let mut sum = Ledger::default();
+            for ledger in paths {
+                let total = ledger.reflected + ledger.ballistic + ledger.scattered + ledger.roulette;
+                assert!((total - 1.0).abs() <= ROUNDING && ledger.absorbed == 0.0, "{ledger:?}");
+                sum.add(&ledger);
+            }
+            batches.push(sum.scaled(1.0 / PATHS as f64));
+        }
+        let LedgerEntry { mean, se } = LedgerEntry::from_batches(&batches);
+        assert!(mean.residual().abs() <= ROUNDING, "{mean:?}");
         assert!(
-            entry.mean.roulette.abs() <= 4.0 * entry.se[4] && entry.se[4] > 0.0,
-            "{entry:?}"
+            mean.roulette.abs() <= limit * se[4] && se[4] > 0.0,
+            "roulette {} ± {}",
+            mean.roulette,
+            se[4]
         );
     }
 }
@@ -109,14 +134,14 @@ fn absorbing_ledgers_close() {
     for mu_a in [1e-6, 0.1, 2.0, 30.0, 1e4] {
         let walk = Walk {
             shape,
-            interior: interior(&phase, 6.0, mu_a),
+            interior: &interior(&phase, 6.0, mu_a),
             roulette: Roulette::default(),
         };
         let mut absorbed = 0.0;
-        directions(&walk, &shape.at(0.0), |ledger| {
+        for ledger in single_paths(&walk, shape.at(0.0)).into_iter().flatten().flatten() {
             assert!(ledger.residual().abs() <= ROUNDING, "{ledger:?}");
             absorbed += ledger.absorbed;
-        });
+        }
         assert!(absorbed > 0.0);
     }
 }
@@ -127,22 +152,58 @@ fn absorbing_ledgers_close() {
 fn grazing_light_ends_and_is_accounted_for() {
     let phase = phase();
     let cylinder = Cylinder::new(0.15).unwrap();
-    let entry = cylinder.at(0.0);
-    let mut rng = Stream::open(5, Purpose::Validation, 0, 0, 0);
-    for cosine in [1e-3, 1e-6, 1e-8, 1e-12, 6.1e-17, 0.0] {
+    for (k, cosine) in [1e-3, 1e-6, 1e-8, 1e-12, 6.1e-17, 0.0].into_iter().enumerate() {
         for (mu_s, mu_a) in [(0.0, 0.0), (0.0, 2.0), (6.0, 0.0), (6.0, 2.0)] {
             let walk = Walk {
                 shape: &cylinder,
-                interior: interior(&phase, mu_s, mu_a),
+                interior: &interior(&phase, mu_s, mu_a),
                 roulette: Roulette::default(),
             };
-            for _ in 0..20 {
-                let azimuth = TAU * rng.random::<f64>();
-                let omega_in = Vec3::new(azimuth.cos(), azimuth.sin(), cosine).normalize();
-                let ledger = walk.run(&mut rng, &entry, &Vec3::z(), &omega_in, |_| {});
+            for path in 0..20 {
+                let stream = Stream::open(5, Purpose::Validation, k, path, 0);
+                let ledgers = walk.trace(
+                    stream,
+                    1,
+                    |[azimuth, ..]| {
+                        let azimuth = TAU * azimuth;
+                        let omega_in = Vec3::new(azimuth.cos(), azimuth.sin(), cosine).normalize();
+                        entry(cylinder.at(0.0), omega_in)
+                    },
+                    |_| {},
+                );
+                let [ledger] = ledgers[..] else {
+                    panic!("one wavelength, {} ledgers", ledgers.len())
+                };
                 assert!(ledger.residual().abs() <= ROUNDING, "cos {cosine}: {ledger:?}");
                 assert!(ledger.reflected >= 1.0 - 10.0 * cosine, "cos {cosine}: {ledger:?}");
             }
+        }
+    }
+}
+
+/// Paths side by side are the paths one after the other: their ledgers are sums, closed to rounding of the sums.
+#[test]
+fn many_paths_close_as_one() {
+    let phase = phase();
+    let shape = &Cylinder::new(0.15).unwrap();
+    for (mu_s, mu_a) in [(6.0, 0.0), (6.0, 2.0), (60.0, 0.01), (0.0, 1.0)] {
+        let walk = Walk {
+            shape,
+            interior: &interior(&phase, mu_s, mu_a),
+            roulette: Roulette::default(),
+        };
+        for paths in [1, 15, 16, 17, 1000] {
+            let mut exits = 0.0;
+            let ledgers = walk.trace(
+                Stream::open(6, Purpose::Validation, paths, 0, 0),
+                paths,
+                |_| entry(shape.at(0.0), Vec3::z()),
+                |exit| exits += exit.weights[0],
+            );
+            let mean = ledgers[0].scaled(1.0 / paths as f64);
+            assert!(mean.residual().abs() <= ROUNDING, "{paths}: {mean:?}");
+            let left = mean.ballistic + mean.scattered;
+            assert!((exits / paths as f64 - left).abs() <= ROUNDING, "{paths}: {mean:?}");
         }
     }
 }
