@@ -1,4 +1,4 @@
-use super::Vec3;
+use super::{Sectors, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Cells of the hemisphere about a surface's normal, even in polar angle and azimuth. Directions are given by their
@@ -27,14 +27,14 @@ impl HemisphereGrid {
         self.theta_cells * self.phi_cells
     }
 
-    /// Cell of a direction; below the horizon counts as on it.
-    #[inline]
-    pub fn cell(&self, d: &Vec3) -> usize {
-        let theta = d.z.clamp(0.0, 1.0).acos() / FRAC_PI_2 * self.theta_cells as f64;
-        let phi = d.y.atan2(d.x) / TAU * self.phi_cells as f64;
-        let i = (theta as usize).min(self.theta_cells - 1);
-        let j = (phi.floor() as isize).rem_euclid(self.phi_cells as isize) as usize;
-        i * self.phi_cells + j
+    /// What finds the cells of many directions.
+    pub fn finder(&self) -> CellFinder {
+        CellFinder {
+            edges: (1..self.theta_cells)
+                .map(|i| (i as f64 * FRAC_PI_2 / self.theta_cells as f64).cos())
+                .collect(),
+            sectors: Sectors::of_quadrants(self.phi_cells / 4),
+        }
     }
 
     /// Direction of the middle of a cell.
@@ -122,6 +122,23 @@ impl Bilinear {
     }
 }
 
+/// Finds the cell of a direction by comparisons with the cosines and tangents of the edges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellFinder {
+    /// Cosines of the polar edges between the pole and the horizon.
+    edges: Vec<f64>,
+    sectors: Sectors,
+}
+
+impl CellFinder {
+    /// Cell of a direction; below the horizon counts as on it.
+    #[inline(always)]
+    pub fn cell(&self, d: &Vec3) -> usize {
+        let row: usize = self.edges.iter().map(|edge| usize::from(d.z < *edge)).sum();
+        row * self.sectors.count() + self.sectors.sector(d.x, d.y)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -138,11 +155,18 @@ mod tests {
     #[test]
     fn centres_mirrors_and_weights_agree() {
         let grid = HemisphereGrid::new(7, 12).unwrap();
+        let finder = grid.finder();
         for cell in 0..grid.cells() {
             let d = grid.centre(cell);
-            assert_eq!(grid.cell(&d), cell);
-            assert_eq!(grid.cell(&Vec3::new(-d.x, d.y, d.z)), grid.mirrored(cell, true, false));
-            assert_eq!(grid.cell(&Vec3::new(-d.x, -d.y, d.z)), grid.mirrored(cell, true, true));
+            assert_eq!(finder.cell(&d), cell);
+            assert_eq!(
+                finder.cell(&Vec3::new(-d.x, d.y, d.z)),
+                grid.mirrored(cell, true, false)
+            );
+            assert_eq!(
+                finder.cell(&Vec3::new(-d.x, -d.y, d.z)),
+                grid.mirrored(cell, true, true)
+            );
             for (tangent, axis) in [(false, false), (true, false), (false, true), (true, true)] {
                 let corners = grid.bilinear(&d);
                 let mirrored = grid.mirrored(cell, tangent, axis);

@@ -2,9 +2,11 @@
 
 mod frame;
 mod hemisphere;
+mod sectors;
 
 pub use frame::Frame;
-pub use hemisphere::{Bilinear, HemisphereGrid};
+pub use hemisphere::{Bilinear, CellFinder, HemisphereGrid};
+pub use sectors::Sectors;
 
 /// Vector in double precision, mm for positions, unit length for directions.
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -8,8 +8,8 @@ use crate::sample::{Sample, SampleError};
 use crate::shading::{Distribution, ShadingError, Specular};
 use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_csv_spectra, read_csv_spectrum, tables};
 use crate::study::{
-    CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable, Study, StudyError,
-    WeaveChoice,
+    CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable, Study,
+    StudyError, WeaveChoice,
 };
 use crate::transport::{Cylinder, Roulette};
 use crate::yarn::{BssrdfGrid, Effort, Estimator, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn, YarnError};
@@ -122,7 +122,12 @@ impl Plan {
     /// Axes of the stored BSSRDF.
     pub fn bssrdf_grid(&self) -> Result<BssrdfGrid, RunError> {
         let z_cells = self.study.trace.z_cells as usize;
-        Ok(BssrdfGrid::new(&self.yarn, self.incident, self.bssrdf_surface, z_cells)?)
+        Ok(BssrdfGrid::new(
+            &self.yarn,
+            self.incident,
+            self.bssrdf_surface,
+            z_cells,
+        )?)
     }
 
     /// The same yarn of another medium.

@@ -1,11 +1,10 @@
 use super::TransportError;
-use super::lane_math;
-use crate::optics::{Phase, PhaseTable};
+use super::angles::{Angle, Angles, common_tables};
+use crate::optics::Phase;
 use std::f64::consts::PI;
 
-/// Wavelengths are kept in groups of this many, the rest of the last group empty, so that loops over them are whole
-/// vectors.
-pub(super) const GROUP: usize = 8;
+/// Rows of wavelengths are padded to whole vectors of this many.
+const LANE_GROUP: usize = 8;
 
 /// Scattering and absorption inside a body at one wavelength.
 #[derive(Clone, Copy, Debug)]
@@ -22,24 +21,25 @@ pub struct Coefficients<'a> {
 #[derive(Clone, Debug)]
 pub struct Interior<'a> {
     index: f64,
-    phases: Vec<&'a Phase>,
+    wavelengths: usize,
     /// 1/mm, padded with 0.
-    mu_s: Vec<[f64; GROUP]>,
-    mu_a: Vec<[f64; GROUP]>,
+    mu_s: Vec<f64>,
+    mu_a: Vec<f64>,
     /// 1 for a wavelength, 0 for an empty place.
-    taken: Vec<[f64; GROUP]>,
-    density: Density,
+    taken: Vec<f64>,
+    angles: Angles<'a>,
+    density: Density<'a>,
 }
 
 /// μ_s p(θ) of every wavelength, up to a factor that is the same for all.
 #[derive(Clone, Debug)]
-enum Density {
+enum Density<'a> {
     /// One wavelength: a ratio of densities is never needed.
     Single,
     /// At the nodes that all tables share; each row holds every wavelength.
-    Rows { groups: usize, rows: Vec<[f64; GROUP]> },
+    Rows(Vec<f64>),
     /// From the phase functions themselves, times these factors.
-    Functions { scale: Vec<f64> },
+    Functions(Vec<(&'a Phase, f64)>),
 }
 
 impl<'a> Interior<'a> {
@@ -83,123 +83,89 @@ impl<'a> Interior<'a> {
             }
         }
         let phases: Vec<&Phase> = wavelengths.iter().map(|c| c.phase).collect();
-        let mu_s = padded(wavelengths.iter().map(|c| c.mu_s));
         Ok(Self {
             index,
-            density: Density::new(&phases, wavelengths),
-            phases,
-            mu_s,
+            wavelengths: wavelengths.len(),
+            mu_s: padded(wavelengths.iter().map(|c| c.mu_s)),
             mu_a: padded(wavelengths.iter().map(|c| c.mu_a)),
             taken: padded(wavelengths.iter().map(|_| 1.0)),
+            angles: Angles::new(&phases),
+            density: Density::new(&phases, wavelengths),
         })
     }
 
     /// How many wavelengths share a path.
     pub fn wavelengths(&self) -> usize {
-        self.phases.len()
+        self.wavelengths
     }
 
     pub fn index(&self) -> f64 {
         self.index
     }
 
-    pub(super) fn groups(&self) -> usize {
+    /// Wavelengths and empty places to a multiple of 8.
+    pub(super) fn width(&self) -> usize {
         self.mu_s.len()
     }
 
-    pub(super) fn mu_s(&self) -> &[[f64; GROUP]] {
+    pub(super) fn mu_s(&self) -> &[f64] {
         &self.mu_s
     }
 
-    pub(super) fn mu_a(&self) -> &[[f64; GROUP]] {
+    pub(super) fn mu_a(&self) -> &[f64] {
         &self.mu_a
     }
 
-    pub(super) fn taken(&self) -> &[[f64; GROUP]] {
+    pub(super) fn taken(&self) -> &[f64] {
         &self.taken
     }
 
-    pub(super) fn mu_s_of(&self, wavelength: usize) -> f64 {
-        self.mu_s[wavelength / GROUP][wavelength % GROUP]
+    pub(super) fn angles(&self) -> &Angles<'a> {
+        &self.angles
     }
 
-    /// Draws cos θ from the phase function of wavelength `hero` and multiplies each wavelength's `share` by its
-    /// μ_s p(θ).
+    /// Multiplies each wavelength's `share` by its μ_s p(θ).
     #[inline(always)]
-    pub(super) fn scatter(&self, hero: usize, u: f64, share: &mut [[f64; GROUP]]) -> f64 {
-        match (&self.density, self.phases[hero]) {
-            (Density::Rows { groups, rows }, Phase::Table(table)) => {
-                let (cos_theta, k) = table.sample_in_interval(u);
-                let w = table.place_in_interval(k, cos_theta);
-                let low = &rows[k * groups..(k + 1) * groups];
-                let high = &rows[(k + 1) * groups..(k + 2) * groups];
+    pub(super) fn weigh(&self, angle: &Angle, share: &mut [f64]) {
+        match &self.density {
+            Density::Single => {}
+            Density::Rows(rows) => {
+                let width = share.len();
+                let low = &rows[angle.interval * width..(angle.interval + 1) * width];
+                let high = &rows[(angle.interval + 1) * width..(angle.interval + 2) * width];
                 for ((share, low), high) in share.iter_mut().zip(low).zip(high) {
-                    for i in 0..GROUP {
-                        share[i] *= low[i] + w * (high[i] - low[i]);
-                    }
+                    *share *= low + angle.place * (high - low);
                 }
-                cos_theta
             }
-            (Density::Functions { scale }, phase) => {
-                let cos_theta = phase.sample(u);
-                for (wavelength, (phase, scale)) in self.phases.iter().zip(scale).enumerate() {
-                    share[wavelength / GROUP][wavelength % GROUP] *= scale * phase.pdf(cos_theta);
-                }
-                cos_theta
+            Density::Functions(functions) => {
+                let places = share.iter_mut().zip(functions);
+                places.for_each(|(share, (phase, factor))| *share *= factor * phase.pdf(angle.cos_theta));
             }
-            (_, phase) => phase.sample(u),
         }
     }
 }
 
-impl Density {
-    fn new(phases: &[&Phase], wavelengths: &[Coefficients<'_>]) -> Self {
+impl<'a> Density<'a> {
+    fn new(phases: &[&'a Phase], wavelengths: &[Coefficients<'_>]) -> Self {
         if phases.len() == 1 {
             return Self::Single;
         }
         // Keeps products over many scatterings near 1.
         let largest = wavelengths.iter().map(|c| c.mu_s).fold(f64::MIN_POSITIVE, f64::max);
-        let scale: Vec<f64> = wavelengths.iter().map(|c| 4.0 * PI * c.mu_s / largest).collect();
-        let tables: Vec<&PhaseTable> = phases
-            .iter()
-            .filter_map(|phase| match phase {
-                Phase::Table(table) => Some(table),
-                Phase::HenyeyGreenstein(_) => None,
-            })
-            .collect();
-        let nodes = tables.first().map_or(0, |table| table.density().len());
-        if tables.len() < phases.len() || tables.iter().any(|table| table.density().len() != nodes) {
-            return Self::Functions { scale };
-        }
-        let rows = (0..nodes).flat_map(|node| {
-            padded(
-                tables
-                    .iter()
-                    .zip(&scale)
-                    .map(|(table, scale)| scale * table.density()[node]),
-            )
-        });
-        Self::Rows {
-            groups: phases.len().div_ceil(GROUP),
-            rows: rows.collect(),
+        let factors = wavelengths.iter().map(|c| 4.0 * PI * c.mu_s / largest);
+        match common_tables(phases) {
+            Some((nodes, tables)) => {
+                let factors: Vec<f64> = factors.collect();
+                let row = |node: usize| padded(tables.iter().zip(&factors).map(move |(t, f)| f * t.density()[node]));
+                Self::Rows((0..nodes).flat_map(row).collect())
+            }
+            None => Self::Functions(phases.iter().copied().zip(factors).collect()),
         }
     }
 }
 
-fn padded(values: impl Iterator<Item = f64>) -> Vec<[f64; GROUP]> {
-    let values: Vec<f64> = values.collect();
+fn padded(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.resize(values.len().next_multiple_of(LANE_GROUP), 0.0);
     values
-        .chunks(GROUP)
-        .map(|chunk| std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0)))
-        .collect()
-}
-
-/// exp(−μ x) of every wavelength.
-#[inline(always)]
-pub(super) fn attenuation(mu: &[f64; GROUP], x: f64) -> [f64; GROUP] {
-    let mut result = [0.0; GROUP];
-    for i in 0..GROUP {
-        result[i] = lane_math::exp(-mu[i] * x);
-    }
-    result
 }

@@ -54,7 +54,10 @@ mod tests {
                 points
                     .iter()
                     .for_each(|p| counts[(p[k] * 10.0) as usize * 10 + (p[j] * 10.0) as usize] += 1);
-                assert!(counts.iter().all(|&c| (15..=45).contains(&c)), "coordinates {j}, {k}: {counts:?}");
+                assert!(
+                    counts.iter().all(|&c| (15..=45).contains(&c)),
+                    "coordinates {j}, {k}: {counts:?}"
+                );
             }
         }
     }

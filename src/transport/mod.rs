@@ -1,10 +1,14 @@
 //! Monte Carlo transport of light through one homogeneous body of scattering medium with a smooth dielectric surface.
 
+mod angles;
+mod entrance;
+mod flights;
 mod interior;
 mod lane_math;
 mod lattice;
 mod ledger;
 mod shape;
+mod spectral;
 mod statistics;
 mod stream;
 mod walk;

@@ -66,13 +66,20 @@ impl Shape for Cylinder {
         let numerator = if b > 0.0 { (-c).max(0.0) } else { root - b };
         let denominator = if b > 0.0 { b + root } else { a };
         // A ray along the axis to rounding never leaves.
-        if a > 1e-30 { numerator / denominator } else { f64::INFINITY }
+        if a > 1e-30 {
+            numerator / denominator
+        } else {
+            f64::INFINITY
+        }
     }
 
     #[inline(always)]
     fn surface(&self, [x, y, z]: [f64; 3], _: [f64; 3]) -> [[f64; 3]; 2] {
-        let inverse = 1.0 / (x * x + z * z).sqrt();
+        let inverse = 1.0 / self.radius_mm;
         let normal = [x * inverse, 0.0, z * inverse];
+        // One Newton step brings a length of 1 to rounding exactly back to it.
+        let scale = 1.5 - 0.5 * (normal[0] * normal[0] + normal[2] * normal[2]);
+        let normal = [normal[0] * scale, 0.0, normal[2] * scale];
         [[normal[0] * self.radius_mm, y, normal[2] * self.radius_mm], normal]
     }
 }
@@ -103,7 +110,11 @@ impl Shape for Slab {
     #[inline(always)]
     fn distance(&self, [_, _, z]: [f64; 3], [_, _, dz]: [f64; 3]) -> f64 {
         let left = if dz > 0.0 { -z } else { self.thickness_mm + z };
-        if dz.abs() > 1e-300 { left.max(0.0) / dz.abs() } else { f64::INFINITY }
+        if dz.abs() > 1e-300 {
+            left.max(0.0) / dz.abs()
+        } else {
+            f64::INFINITY
+        }
     }
 
     #[inline(always)]
@@ -127,11 +138,7 @@ mod tests {
         let d = frame.to_world(&Vec3::new(0.2, 0.3, -1.0).normalize());
         let distance = cylinder.distance(entry.into(), d.into());
         let in_plane = d.x * d.x + d.z * d.z;
-        assert_relative_eq!(
-            distance,
-            -2.0 * 0.15 * d.dot(&frame.normal) / in_plane,
-            epsilon = 1e-14
-        );
+        assert_relative_eq!(distance, -2.0 * 0.15 * d.dot(&frame.normal) / in_plane, epsilon = 1e-14);
         let there = entry + d * distance;
         let [position, normal] = cylinder.surface(there.into(), d.into());
         assert_relative_eq!(Vec3::from(position), there, epsilon = 1e-14);

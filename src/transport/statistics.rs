@@ -13,7 +13,11 @@ impl Estimate {
         let square: f64 = batches.map(|x| (x - value) * (x - value)).sum();
         Self {
             value,
-            se: if n > 1.0 { (square / (n * (n - 1.0))).sqrt() } else { 0.0 },
+            se: if n > 1.0 {
+                (square / (n * (n - 1.0))).sqrt()
+            } else {
+                0.0
+            },
         }
     }
 }

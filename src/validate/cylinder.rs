@@ -146,7 +146,9 @@ impl CylinderProblem {
     pub fn checks(&self, estimates: &[Estimate]) -> Vec<Check> {
         self.expected
             .iter()
-            .map(|&(place, quantity, value)| check(estimates[place], self.name(), quantity, Estimate { value, se: 0.0 }))
+            .map(|&(place, quantity, value)| {
+                check(estimates[place], self.name(), quantity, Estimate { value, se: 0.0 })
+            })
             .collect()
     }
 }

@@ -1,5 +1,6 @@
-use super::radiance_factor::LightSide;
+use super::radiance_factor::{FactorCells, LightSide};
 use super::{Effort, IncidentGrid, RadianceFactorGrid, Sharing, SurfaceGrid, Yarn, YarnError};
+use crate::geometry::{CellFinder, Sectors};
 use crate::transport::{Entry, Ledger, Purpose, Stream};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -94,6 +95,9 @@ pub struct PatchTracer<'a> {
     sharing: Vec<Sharing<'a>>,
     grid: &'a BssrdfGrid,
     summed: RadianceFactorGrid,
+    cells: FactorCells,
+    around: Sectors,
+    exit: CellFinder,
     effort: Effort,
 }
 
@@ -127,6 +131,9 @@ impl<'a> PatchTracer<'a> {
             sharing: yarn.sharing()?,
             grid,
             summed,
+            cells: FactorCells::new(summed)?,
+            around: grid.surface.sectors()?,
+            exit: grid.surface.exit.finder(),
             effort,
         })
     }
@@ -177,6 +184,7 @@ impl<'a> PatchTracer<'a> {
         let mut values = vec![0.0; tilts.clone().count() * per_tilt * wavelengths];
         let mut ledgers = Vec::with_capacity(wavelengths);
         let width = TAU / surface.azimuths as f64;
+        let (half_sin, half_cos) = (0.5 * width).sin_cos();
         let [_, _, z_cells, exits, _] = self.grid.shape();
         let paths = self.effort.paths_per_batch;
         let scale = 1.0 / paths as f64;
@@ -195,7 +203,9 @@ impl<'a> PatchTracer<'a> {
                     let light = LightSide {
                         x: omega_in.x / across,
                         z: omega_in.z / across,
-                        tilt: summed.tilt_of_sine(omega_in.y.abs()).clamp(*tilts.start(), *tilts.end()),
+                        tilt: summed
+                            .tilt_of_sine(omega_in.y.abs())
+                            .clamp(*tilts.start(), *tilts.end()),
                         axis_reversed: omega_in.y < 0.0,
                     };
                     Entry {
@@ -209,13 +219,16 @@ impl<'a> PatchTracer<'a> {
                     if !exit.scattered {
                         return;
                     }
-                    let turn = exit.normal.x.atan2(exit.normal.z) / width + 0.5;
-                    let azimuth = (turn.floor() as isize).rem_euclid(surface.azimuths as isize) as usize;
+                    // The entry patch is the middle of sector 0.
+                    let (x, z) = (exit.normal.x, exit.normal.z);
+                    let azimuth = self
+                        .around
+                        .sector(z * half_cos - x * half_sin, x * half_cos + z * half_sin);
                     let out = self.yarn.cylinder.frame(&exit.position).to_local(&exit.direction);
-                    let at = (azimuth * z_cells + self.grid.z_cell(exit.position.y)) * exits + surface.exit.cell(&out);
+                    let at = (azimuth * z_cells + self.grid.z_cell(exit.position.y)) * exits + self.exit.cell(&out);
                     add_scaled(&mut fractions[at * wavelengths..][here.clone()], exit.weights, scale);
                     let (light, factor) = exit.tag;
-                    let at = summed.cell_from(&light, &exit.normal, &exit.direction) - first_cell;
+                    let at = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
                     add_scaled(&mut values[at * wavelengths..][here.clone()], exit.weights, factor);
                 },
             );

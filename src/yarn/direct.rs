@@ -1,4 +1,4 @@
-use super::radiance_factor::LightSide;
+use super::radiance_factor::{FactorCells, LightSide};
 use super::{Effort, LengthBins, LengthTally, RadianceFactorGrid, Sharing, Yarn, YarnError};
 use crate::geometry::Vec3;
 use crate::transport::{Entry, Ledger, Purpose, Stream};
@@ -9,6 +9,7 @@ pub struct DirectTracer<'a> {
     yarn: &'a Yarn,
     sharing: Vec<Sharing<'a>>,
     grid: RadianceFactorGrid,
+    cells: FactorCells,
     effort: Effort,
     lengths: Option<&'a LengthBins>,
 }
@@ -35,6 +36,7 @@ impl<'a> DirectTracer<'a> {
             yarn,
             sharing: yarn.sharing()?,
             grid,
+            cells: FactorCells::new(grid)?,
             effort,
             lengths,
         })
@@ -100,7 +102,7 @@ impl<'a> DirectTracer<'a> {
                 },
                 |exit| {
                     if exit.scattered {
-                        let cell = self.grid.cell_from(&light, &exit.normal, &exit.direction) - first_cell;
+                        let cell = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
                         add(&mut values[cell * wavelengths..][here.clone()], exit.weights);
                         if let Some(of) = self.lengths {
                             let at = (cell * bins + of.bin(exit.length_mm)) * wavelengths;

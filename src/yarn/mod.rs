@@ -14,7 +14,7 @@ pub use energy::{EnergyBatch, EnergyTracer};
 pub use lengths::{LengthBins, LengthSums, LengthTally};
 pub use radiance_factor::{FactorWeights, RadianceFactorGrid, WeightTally};
 
-use crate::geometry::HemisphereGrid;
+use crate::geometry::{HemisphereGrid, Sectors};
 use crate::optics::Medium;
 use crate::transport::{Coefficients, Cylinder, Interior, Roulette, TransportError, Walk};
 
@@ -168,5 +168,13 @@ impl SurfaceGrid {
 
     pub fn exit(&self) -> &HemisphereGrid {
         &self.exit
+    }
+
+    fn sectors(&self) -> Result<Sectors, YarnError> {
+        Sectors::new(self.azimuths).ok_or(YarnError::Count {
+            quantity: "azimuth cells around the yarn",
+            expected: "a multiple of 4",
+            found: self.azimuths,
+        })
     }
 }

@@ -1,5 +1,5 @@
-use super::SurfaceGrid;
-use crate::geometry::{Bilinear, Vec3};
+use super::{SurfaceGrid, YarnError};
+use crate::geometry::{Bilinear, CellFinder, Sectors, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::iter::zip;
 
@@ -14,9 +14,9 @@ pub struct RadianceFactorGrid {
 
 impl RadianceFactorGrid {
     /// `tilts` is 1 or more.
-    pub fn new(tilts: usize, surface: SurfaceGrid) -> Result<Self, super::YarnError> {
+    pub fn new(tilts: usize, surface: SurfaceGrid) -> Result<Self, YarnError> {
         if tilts == 0 {
-            return Err(super::YarnError::Count {
+            return Err(YarnError::Count {
                 quantity: "tilts",
                 expected: "1 or more",
                 found: tilts,
@@ -66,20 +66,6 @@ impl RadianceFactorGrid {
     /// Index of (tilt, azimuth, exit cell).
     pub fn cell(&self, tilt: usize, azimuth: usize, exit: usize) -> usize {
         (tilt * self.azimuths() + azimuth) * self.surface.exit.cells() + exit
-    }
-
-    /// Cell that light leaving at a surface `normal` along `direction` belongs to.
-    #[inline(always)]
-    pub(super) fn cell_from(&self, light: &LightSide, normal: &Vec3, direction: &Vec3) -> usize {
-        let azimuth = (normal.x * light.z - normal.z * light.x).atan2(normal.x * light.x + normal.z * light.z);
-        let tangent = direction.x * normal.z - direction.z * normal.x;
-        let local = Vec3::new(
-            if azimuth < 0.0 { -tangent } else { tangent },
-            if light.axis_reversed { -direction.y } else { direction.y },
-            direction.dot(normal),
-        );
-        let a = ((azimuth.abs() / PI * self.azimuths() as f64) as usize).min(self.azimuths() - 1);
-        self.cell(light.tilt, a, self.surface.exit.cell(&local))
     }
 
     /// f* in a cell per fraction of the flux of all light of the tilt's cell that leaves through it, 1/sr: radiance of the
@@ -204,4 +190,37 @@ pub(super) struct LightSide {
     pub tilt: usize,
     /// It comes from −y.
     pub axis_reversed: bool,
+}
+
+/// Finds the cell of a radiance factor table that light belongs to.
+#[derive(Clone, Debug)]
+pub(super) struct FactorCells {
+    grid: RadianceFactorGrid,
+    around: Sectors,
+    exit: CellFinder,
+}
+
+impl FactorCells {
+    pub fn new(grid: RadianceFactorGrid) -> Result<Self, YarnError> {
+        Ok(Self {
+            around: grid.surface.sectors()?,
+            exit: grid.surface.exit.finder(),
+            grid,
+        })
+    }
+
+    /// Cell of light that leaves at a surface `normal` along `direction`.
+    #[inline(always)]
+    pub fn cell(&self, light: &LightSide, normal: &Vec3, direction: &Vec3) -> usize {
+        let across = normal.x * light.z - normal.z * light.x;
+        let facing = normal.x * light.x + normal.z * light.z;
+        let tangent = direction.x * normal.z - direction.z * normal.x;
+        let local = Vec3::new(
+            if across < 0.0 { -tangent } else { tangent },
+            if light.axis_reversed { -direction.y } else { direction.y },
+            direction.dot(normal),
+        );
+        let azimuth = self.around.sector(facing, across.abs()).min(self.grid.azimuths() - 1);
+        self.grid.cell(light.tilt, azimuth, self.exit.cell(&local))
+    }
 }
