@@ -124,15 +124,11 @@ fn report_files(study: &str, estimator: &str, threads: &str) -> Vec<(String, Vec
         );
     }
     assert_eq!(rows(&folder.path().join("out/curves.csv")).len(), 3 * 27 * 3 * 4);
-    // The command differs in its number of threads, as it must; nothing else may.
-    for (name, bytes) in &mut files {
-        if name == "report.json" {
-            let mut document: Value = serde_json::from_slice(bytes).unwrap();
-            assert_eq!(document["provenance"]["seed"], 1);
-            document["provenance"]["command"] = Value::Null;
-            *bytes = serde_json::to_vec(&document).unwrap();
-        }
-    }
+    let document: Value = serde_json::from_slice(&fs::read(folder.path().join("out/report.json")).unwrap()).unwrap();
+    assert_eq!(document["provenance"]["seed"], 1);
+    // How many threads worked on it is not told.
+    let command = document["provenance"]["command"].as_array().unwrap();
+    assert_eq!(command[1..], ["report", "study.toml", "--out", "out"]);
     files
 }
 

@@ -110,6 +110,10 @@ fn report_json_has_the_fixed_fields() {
     assert_eq!(document["rmse_ratios"][0]["verdict"], "better");
     let provenance = &document["provenance"];
     assert_eq!(provenance["seed"], 1);
+    assert_eq!(provenance["effort"]["batches"], 24);
+    assert_eq!(provenance["effort"]["stopped_by"], "precision");
+    assert_eq!(provenance["effort"]["asked"]["until"], "rel 0.01 curves");
+    assert_eq!(provenance["effort"]["reached"]["largest_error"], 0.0098);
     // FIPS 180-4, the digest of "abc".
     assert_eq!(
         provenance["inputs"][0]["sha256"],
@@ -124,6 +128,8 @@ fn the_terminal_summary_tells_verdicts_notices_and_fallbacks() {
         "0.0110 ± 0.0011",
         "better (ratio 2, 95 % interval 1.3 to 2.9)",
         "model multiplied by 0.931 ± 0.012",
+        "effort: 24 batches, each of 12500 paths a tilt and 1250 a direction of the ledger; stopped by precision (asked: rel \
+         0.01 curves, 60 s, 100000 batches at most); largest relative standard error of the curves: 0.0098",
         "notice: the sweep stops",
         "fallback: none asked for",
     ] {

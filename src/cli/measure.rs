@@ -1,7 +1,7 @@
-use super::{Failure, Options, Terminal, study};
+use super::{Failure, Options, Stopping, Terminal, state_beside, study};
 use serde::Serialize;
-use specval::report::{check_writable, write_whole};
-use specval::run::{self, Plan};
+use specval::report::{check_writable, effort_line, write_whole};
+use specval::run::{Plan, Simulator, StateFile, Watch};
 use specval::transport::Estimate;
 use std::path::PathBuf;
 
@@ -16,6 +16,8 @@ pub struct Arguments {
     /// CSV file for the curves.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    stopping: Stopping,
 }
 
 #[derive(Serialize)]
@@ -31,9 +33,13 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let plan = Plan::new(study::load(arguments.study.as_deref(), options)?)?;
     check_writable(&arguments.out)?;
     let wavelengths = plan.grid.len();
-    let tracing = terminal.progress("tracing and measuring");
-    let simulation = run::simulate(&plan, plan.geometries(), &|share| tracing.advance(share))?;
-    tracing.finish();
+    let stopping = &arguments.stopping;
+    let rule = stopping.rule(plan.direct_effort.batches, options);
+    let watch = Watch::new(&plan, &plan.geometries(), rule.precision, false)?;
+    let simulator = Simulator::new(&plan, plan.geometries())?;
+    let state = StateFile::new(state_beside(&arguments.out), "measure", &plan)?;
+    let simulation = stopping.simulate(&simulator, watch, &state, &rule, terminal)?;
+    let effort = effort_line(&simulation.effort);
     let curves = simulation.curves;
     let mut rows = Vec::with_capacity(curves.geometries.len() * wavelengths);
     for (g, geometry) in curves.geometries.iter().enumerate() {
@@ -48,14 +54,20 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
             });
         }
     }
-    let mut csv = csv::Writer::from_writer(Vec::new());
+    let mut text = Vec::new();
+    if rule.precision.is_some() || rule.max_time.is_some() {
+        // Only what the study does not say by itself; a comment to the reader of samples.
+        text.extend(format!("# {effort}\n").into_bytes());
+    }
+    let mut csv = csv::Writer::from_writer(text);
     for row in &rows {
         csv.serialize(row)?;
     }
     write_whole(&arguments.out, &csv.into_inner()?)?;
+    state.remove()?;
     terminal.result(&rows, |rows| {
         format!(
-            "{} brightness factors written to {}\n",
+            "{} brightness factors written to {}\n{effort}\n",
             rows.len(),
             arguments.out.display()
         )

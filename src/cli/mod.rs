@@ -8,11 +8,13 @@ pub mod measure;
 pub mod medium;
 pub mod mie;
 pub mod report;
+mod stopping;
 mod study;
 mod terminal;
 pub mod trace;
 pub mod validate;
 
+pub use stopping::{Stopping, recorded_command, state_beside};
 pub use terminal::{Failure, Terminal, exit};
 
 use clap::{Args, Parser, Subcommand};
@@ -61,7 +63,7 @@ pub struct Options {
     /// Threads to work with [default: one a core]. Results do not depend on it.
     #[arg(long, global = true, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// Paths for each incident direction, instead of the study's.
+    /// Paths for each incident direction, instead of the study's. With --until they are the most that are traced.
     #[arg(long, global = true, value_name = "N")]
     pub paths: Option<NonZeroU64>,
     /// No progress and no notes on stderr.

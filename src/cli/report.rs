@@ -1,6 +1,6 @@
-use super::{Failure, Options, Terminal, study};
+use super::{Failure, Options, Stopping, Terminal, recorded_command, study};
 use specval::report::{OutputFolder, render, report_json, summary};
-use specval::run::{self, Plan};
+use specval::run::{self, Plan, Simulator, StateFile, Watch};
 use specval::study::Study;
 use std::path::PathBuf;
 
@@ -20,7 +20,12 @@ pub struct Arguments {
     /// Measured sample instead of the study's: a built-in name, a folder or a CSV file.
     #[arg(long, value_name = "SAMPLE")]
     measured: Option<String>,
+    #[command(flatten)]
+    stopping: Stopping,
 }
+
+/// File in the report's folder that an interrupted run goes on from.
+const STATE: &str = "specval.state";
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
     let mut study = study::load(arguments.study.as_deref(), options)?;
@@ -34,14 +39,19 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     }
     let plan = Plan::new(study)?;
     let folder = OutputFolder::prepare(&arguments.out)?;
-    let tracing = terminal.progress("tracing the yarn");
-    let simulation = run::simulate(&plan, run::report_geometries(&plan), &|share| tracing.advance(share))?;
-    tracing.finish();
+    let geometries = run::report_geometries(&plan);
+    let stopping = &arguments.stopping;
+    let rule = stopping.rule(plan.direct_effort.batches, options);
+    let watch = Watch::new(&plan, &geometries, rule.precision, true)?;
+    let simulator = Simulator::new(&plan, geometries)?;
+    let state = StateFile::new(folder.path().join(STATE), "report", &plan)?;
+    let simulation = stopping.simulate(&simulator, watch, &state, &rule, terminal)?;
     let measuring = terminal.progress("measuring and sweeping");
-    let command = std::env::args().collect();
+    let command = recorded_command(std::env::args());
     let data = run::report(&plan, &simulation, command, notices, &|share| measuring.advance(share))?;
     measuring.finish();
     folder.write(&render(&data)?)?;
+    state.remove()?;
     if options.json {
         return terminal.print(&report_json(&data)?);
     }

@@ -54,6 +54,14 @@ impl Terminal {
         Ok(())
     }
 
+    /// Tells on stderr what the user should know of a run, and nothing of its result.
+    pub fn notice(&self, text: &str) {
+        if !self.quiet {
+            // With stderr closed there is no one left to tell.
+            let _ = writeln!(io::stderr(), "notice: {text}");
+        }
+    }
+
     /// A progress bar on stderr, where that is a terminal and nobody asked for quiet.
     pub fn progress(&self, what: &'static str) -> Progress {
         let bar = if self.quiet || !io::stderr().is_terminal() {

@@ -14,8 +14,11 @@ mod tables;
 pub use graphs::{Graph, graphs};
 pub use json::report_json;
 pub use output::{OutputFolder, check_writable, write_whole};
-pub use result::{Convention, EnergyRow, InputDigest, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
-pub use summary::summary;
+pub use result::{
+    AskedEffort, Convention, EffortNote, EnergyRow, InputDigest, PathsPerBatch, Provenance, ReachedPrecision,
+    ReportData, SampleNote, Table1Name, Table1Row,
+};
+pub use summary::{effort_line, summary};
 pub use tables::{curves_csv, energy_csv, table1_csv, table1_markdown};
 
 use rayon::prelude::*;

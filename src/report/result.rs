@@ -131,6 +131,46 @@ impl InputDigest {
     }
 }
 
+/// How much was traced, what was asked for and what was reached. Runs that were resumed say the same as others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EffortNote {
+    /// Batches made, all of the same size.
+    pub batches: usize,
+    pub paths_per_batch: PathsPerBatch,
+    /// "paths", "precision" or "time".
+    pub stopped_by: &'static str,
+    pub asked: AskedEffort,
+    pub reached: Option<ReachedPrecision>,
+}
+
+/// For each direction, and for each wavelength if they share no paths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct PathsPerBatch {
+    /// From a patch: ledger and BSSRDF.
+    pub bssrdf: usize,
+    /// In a parallel beam on the whole yarn, at each tilt.
+    pub direct: usize,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AskedEffort {
+    /// Such as "rel 0.01 curves".
+    pub until: Option<String>,
+    pub max_time_s: Option<f64>,
+    /// Batches at most.
+    pub batches: usize,
+}
+
+/// Largest Monte Carlo standard error of what was watched.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ReachedPrecision {
+    /// "rel" if it is over its value, "abs" if not.
+    pub tolerance: &'static str,
+    /// "curves", the luminance of the model's points, or "ratios", its row of Table 1.
+    pub of: &'static str,
+    pub largest_error: f64,
+}
+
 /// How the result came about. The number of threads is left out: results do not depend on it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Provenance {
@@ -141,6 +181,7 @@ pub struct Provenance {
     pub study: serde_json::Value,
     pub seed: u64,
     pub inputs: Vec<InputDigest>,
+    pub effort: EffortNote,
     /// Everything that was done in another way than the study asks.
     pub fallbacks: Vec<String>,
     /// What the reader must know, such as a range the sweep does not reach.

@@ -1,5 +1,5 @@
 use super::tables::{channel_name, rounded, with_error};
-use super::{EnergyRow, ReportData, Table1Name};
+use super::{EffortNote, EnergyRow, ReportData, Table1Name};
 use crate::compare::{Channel, Rmse, RmseRatio, Source, Verdict};
 use std::fmt::Write;
 
@@ -15,6 +15,7 @@ pub fn summary(data: &ReportData) -> String {
         "\nsample: {} ({}). {}",
         data.sample.name, data.sample.kind, data.sample.caption
     );
+    let _ = writeln!(text, "{}", effort_line(&data.provenance.effort));
     for notice in &data.provenance.notices {
         let _ = writeln!(text, "notice: {notice}");
     }
@@ -22,6 +23,35 @@ pub fn summary(data: &ReportData) -> String {
         let _ = writeln!(text, "fallback: {fallback}");
     }
     text
+}
+
+/// What was traced, why it stopped, and how well it is known now.
+pub fn effort_line(effort: &EffortNote) -> String {
+    let asked = [
+        effort.asked.until.clone(),
+        effort.asked.max_time_s.map(|seconds| format!("{seconds} s")),
+        Some(format!("{} batches at most", effort.asked.batches)),
+    ];
+    let asked: Vec<String> = asked.into_iter().flatten().collect();
+    let reached = effort.reached.map_or_else(String::new, |reached| {
+        let kind = match reached.tolerance {
+            "rel" => "relative ",
+            _ => "",
+        };
+        format!(
+            "; largest {kind}standard error of the {}: {}",
+            reached.of,
+            rounded(reached.largest_error)
+        )
+    });
+    format!(
+        "effort: {} batches, each of {} paths a tilt and {} a direction of the ledger; stopped by {} (asked: {}){reached}",
+        effort.batches,
+        effort.paths_per_batch.direct,
+        effort.paths_per_batch.bssrdf,
+        effort.stopped_by,
+        asked.join(", ")
+    )
 }
 
 fn table1(text: &mut String, data: &ReportData) {

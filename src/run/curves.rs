@@ -72,7 +72,7 @@ pub(super) fn directions(plan: &Plan, geometry: Geometry) -> (Vec3, Vec3) {
 }
 
 /// β of the gloss about the cloth's normal.
-fn gloss(plan: &Plan, geometry: Geometry) -> f64 {
+pub(super) fn gloss(plan: &Plan, geometry: Geometry) -> f64 {
     let (omega_in, omega_out) = directions(plan, geometry);
     plan.specular.brdf(&omega_in, &omega_out).brightness_factor().0
 }

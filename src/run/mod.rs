@@ -1,18 +1,26 @@
 //! A whole study: every stage in turn, from the study's values to the report's data.
 
+mod batches;
 mod camera;
 mod curves;
 mod plan;
 mod report;
 mod simulate;
+mod state;
+mod stop;
 mod trace;
+mod watch;
 
+pub use batches::{Gather, Outcome, Schedule, gather};
 pub use camera::CameraBatch;
 pub use curves::SpectralCurves;
 pub use plan::{Plan, RunError, medium};
 pub use report::{report, report_geometries};
 pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};
+pub use state::StateFile;
+pub use stop::{Precision, PrecisionError, StopRule, StoppedBy, Tolerance, Watched};
 pub use trace::{YarnBatch, YarnSums, YarnTracer, trace_yarn};
+pub use watch::Watch;
 
 /// Told of finished work, in shares of the whole that sum to 1.
 pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);

@@ -1,3 +1,4 @@
+use crate::artefact::ArtefactError;
 use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Weave};
 use crate::colour::{ColourError, ColourSystem};
 use crate::compare::{CompareError, Geometry};
@@ -45,6 +46,13 @@ pub enum RunError {
     Compare(#[from] CompareError),
     #[error(transparent)]
     Report(#[from] ReportError),
+    #[error(transparent)]
+    Artefact(#[from] ArtefactError),
+    #[error(
+        "the ratios of Table 1 are of normal incidence and view: expected both in `[rig]`, found none; add incidence 0 and \
+         view 0, or ask for the precision of `curves`"
+    )]
+    NoNormal,
 }
 
 /// A study with every value checked, every file read and every name resolved: what a run takes.

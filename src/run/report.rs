@@ -15,7 +15,7 @@ const SWEEP_BATCHES: usize = 4;
 const SWEEP_PATHS_SHARE: u64 = 20;
 
 /// Normal incidence and view, where ratios and the normalisation are taken.
-const NORMAL: Geometry = Geometry {
+pub(super) const NORMAL: Geometry = Geometry {
     theta_i_deg: 0.0,
     theta_v_deg: 0.0,
 };
@@ -84,7 +84,7 @@ pub fn report(
             None
         }
     };
-    let sweep = sweep(plan, &mut notices, progress)?;
+    let sweep = sweep(plan, simulation.effort.batches, &mut notices, progress)?;
     let table1 = table1(&plan.colour, curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
     let mut conventions = Vec::new();
     for convention in Convention::all() {
@@ -128,6 +128,7 @@ pub fn report(
             study: serde_json::to_value(&plan.study).map_err(shown::ReportError::from)?,
             seed: plan.study.seed,
             inputs: plan.inputs.clone(),
+            effort: simulation.effort.clone(),
             fallbacks,
             notices,
         },
@@ -218,8 +219,14 @@ fn diffuse_ratios(colour: &ColourSystem, curves: &SpectralCurves, normal: usize)
     Ok(model_colour_ratios(&batches)?)
 }
 
-/// Ratios of the model with each of the sweep's values alone in place of the study's.
-fn sweep(plan: &Plan, notices: &mut Vec<String>, progress: Progress) -> Result<Vec<ColourRatios>, RunError> {
+/// Ratios of the model with each of the sweep's values alone in place of the study's. After `traced` batches, fewer than
+/// the study has, there are fewer paths here in proportion: a run that was short of time is short of it here too.
+fn sweep(
+    plan: &Plan,
+    traced: usize,
+    notices: &mut Vec<String>,
+    progress: Progress,
+) -> Result<Vec<ColourRatios>, RunError> {
     let base = &plan.study.medium;
     let of = &plan.study.sweep;
     let mut media: Vec<MediumSection> = Vec::new();
@@ -241,11 +248,12 @@ fn sweep(plan: &Plan, notices: &mut Vec<String>, progress: Progress) -> Result<V
         m.particle_index = NumberOrTable::Number(v)
     });
     let batches = SWEEP_BATCHES.min(plan.direct_effort.batches);
-    let effort = Effort::new(
-        plan.study.seed,
-        batches,
-        (plan.study.trace.paths_direct / SWEEP_PATHS_SHARE).max(1),
-    )?;
+    let paths = plan.study.trace.paths_direct / SWEEP_PATHS_SHARE;
+    let paths = match plan.direct_effort.batches {
+        study if traced < study => paths / study as u64 * traced as u64,
+        _ => paths,
+    };
+    let effort = Effort::new(plan.study.seed, batches, paths.max(1))?;
     notices.push(format!(
         "sweep: {} media, each with {} paths a tilt in {} batches",
         media.len(),

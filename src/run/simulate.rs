@@ -1,13 +1,9 @@
-use super::{CameraBatch, Plan, Progress, RunError, SpectralCurves};
+use super::{CameraBatch, Gather, Plan, RunError, Schedule, SpectralCurves, StateFile, Watch, gather};
 use crate::compare::Geometry;
-use crate::report::EnergyRow;
+use crate::report::{AskedEffort, EffortNote, EnergyRow, PathsPerBatch, ReachedPrecision};
 use crate::study::ShadeWith;
 use crate::transport::{Ledger, LedgerEntry};
 use crate::yarn::{BssrdfGrid, DirectTracer, EnergyTracer, PatchTracer};
-use rayon::prelude::*;
-
-/// Batches under way at once; each holds a table of f*.
-const ROUND: usize = 4;
 
 /// What one batch of light through yarn, cloth and rig gives. Nothing in it grows with the number of paths.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +29,9 @@ enum Shading<'a> {
 }
 
 impl<'a> Simulator<'a> {
+    /// Batches to have under way at once; each holds a table of f*.
+    pub const ROUND: usize = 4;
+
     pub fn new(plan: &'a Plan, geometries: Vec<Geometry>) -> Result<Self, RunError> {
         Ok(Self {
             plan,
@@ -48,6 +47,15 @@ impl<'a> Simulator<'a> {
                 ShadeWith::Bssrdf => Shading::Bssrdf(plan.bssrdf_grid()?),
             },
         })
+    }
+
+    pub fn geometries(&self) -> &[Geometry] {
+        &self.geometries
+    }
+
+    /// Traced incident directions and wavelengths of a batch's ledgers.
+    pub fn ledger_shape(&self) -> [usize; 2] {
+        [self.plan.incident.traced(), self.plan.grid.len()]
     }
 
     /// Batch number `batch`, the same whenever and wherever it is made.
@@ -67,36 +75,99 @@ impl<'a> Simulator<'a> {
     }
 }
 
-/// All batches of a study.
+/// All batches of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulation {
     pub curves: SpectralCurves,
     /// [batch][traced incident direction × wavelength].
     pub ledgers: Vec<Vec<Ledger>>,
+    /// How much was traced and why no more.
+    pub effort: EffortNote,
 }
 
-/// Traces, shades and measures at the geometries.
-pub fn simulate(plan: &Plan, geometries: Vec<Geometry>, progress: Progress) -> Result<Simulation, RunError> {
-    let simulator = Simulator::new(plan, geometries.clone())?;
-    let batches = plan.direct_effort.batches;
-    let mut done = Vec::with_capacity(batches);
-    for round in (0..batches).step_by(ROUND) {
-        let made: Vec<Result<Batch, RunError>> = (round..(round + ROUND).min(batches))
-            .into_par_iter()
-            .map(|batch| {
-                let made = simulator.batch(batch);
-                progress(1.0 / batches as f64);
-                made
-            })
-            .collect();
-        for batch in made {
-            done.push(batch?);
-        }
+/// Batches of a simulation so far.
+struct Simulating<'a> {
+    simulator: &'a Simulator<'a>,
+    watch: Watch<'a>,
+    state: &'a StateFile,
+    ledgers: Vec<Vec<Ledger>>,
+    diffuse: Vec<Vec<Vec<f64>>>,
+}
+
+impl Gather for Simulating<'_> {
+    type Batch = Batch;
+    type Error = RunError;
+
+    fn batches(&self) -> usize {
+        self.ledgers.len()
     }
-    let (ledgers, diffuse) = done.into_iter().map(|b| (b.ledgers, b.diffuse)).unzip();
+
+    fn make(&self, batch: usize) -> Result<Batch, RunError> {
+        self.simulator.batch(batch)
+    }
+
+    fn accept(&mut self, batch: Batch) {
+        self.watch.add(&batch.diffuse);
+        self.ledgers.push(batch.ledgers);
+        self.diffuse.push(batch.diffuse);
+    }
+
+    fn largest_error(&self) -> Option<f64> {
+        self.watch.largest_error()
+    }
+
+    fn save(&self) -> Result<(), RunError> {
+        self.state.save(self.simulator, &self.ledgers, &self.diffuse)
+    }
+}
+
+/// Traces, shades and measures until the schedule's rule says stop. `resumed` are batches an earlier run has made, from
+/// number 0 on; as many of them count as a run without them would have made.
+pub fn simulate(
+    simulator: &Simulator,
+    watch: Watch,
+    resumed: Vec<Batch>,
+    state: &StateFile,
+    schedule: &Schedule,
+) -> Result<Simulation, RunError> {
+    let rule = schedule.rule;
+    let mut done = Simulating {
+        simulator,
+        watch,
+        state,
+        ledgers: Vec::new(),
+        diffuse: Vec::new(),
+    };
+    for batch in resumed {
+        if rule.reached(done.batches(), || done.largest_error()).is_some() {
+            break;
+        }
+        done.accept(batch);
+    }
+    let outcome = gather(&mut done, schedule)?;
+    let plan = simulator.plan;
+    let watched = done.watch.precision();
     Ok(Simulation {
-        curves: SpectralCurves::new(plan, geometries, diffuse),
-        ledgers,
+        curves: SpectralCurves::new(plan, simulator.geometries.clone(), done.diffuse),
+        ledgers: done.ledgers,
+        effort: EffortNote {
+            batches: outcome.batches,
+            paths_per_batch: PathsPerBatch {
+                bssrdf: plan.bssrdf_effort.paths_per_batch,
+                direct: plan.direct_effort.paths_per_batch,
+            },
+            stopped_by: outcome.stopped_by.word(),
+            asked: AskedEffort {
+                until: rule.precision.map(|precision| precision.to_string()),
+                max_time_s: rule.max_time.map(|time| time.as_secs_f64()),
+                batches: rule.batches,
+            },
+            reached: outcome.reached.map(|largest_error| ReachedPrecision {
+                tolerance: watched.tolerance.word(),
+                of: watched.of.word(),
+                largest_error,
+            }),
+        },
     })
 }
 

@@ -1,14 +1,16 @@
 use super::Shape;
 use super::flights::{FAR_MM, LANES, Lanes3, refract};
-use super::lattice::Lattice;
+use super::lane_math::unit;
 use super::walk::{ENTRY_COORDINATES, Entry};
 use crate::optics::fresnel;
-
-/// Coordinates of a path's point of the lattice: the entry's and the first flight's.
-pub(super) const COORDINATES: usize = ENTRY_COORDINATES + 1;
+use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::Rng};
 
 /// Paths on the way in, as many as lanes: refracted, and followed straight to the other side.
 pub(super) struct Entrance<T> {
+    stream: Xoshiro256PlusPlus,
+    /// Paths in all, and how many of them have come here.
+    paths: usize,
+    begun: usize,
     /// Paths that are ready, and how many of them have been fetched.
     ready: usize,
     fetched: usize,
@@ -30,8 +32,11 @@ pub(super) struct Entrance<T> {
 }
 
 impl<T: Copy> Entrance<T> {
-    pub fn new() -> Self {
+    pub fn new(stream: Xoshiro256PlusPlus, paths: usize) -> Self {
         Self {
+            stream,
+            paths,
+            begun: 0,
             ready: 0,
             fetched: 0,
             position: [[0.0; LANES]; 3],
@@ -49,21 +54,18 @@ impl<T: Copy> Entrance<T> {
         }
     }
 
-    /// Place of the next path, if one of the `left` is left.
+    /// Place of the next path, if one is left.
     #[inline(always)]
     pub fn next<S: Shape>(
         &mut self,
-        left: &mut usize,
         shape: &S,
         index: f64,
-        lattice: &mut Lattice<COORDINATES>,
         entry: &mut impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
     ) -> Option<usize> {
         if self.fetched == self.ready {
-            self.ready = LANES.min(*left);
+            self.ready = LANES.min(self.paths - self.begun);
             self.fetched = 0;
-            *left -= self.ready;
-            self.fill(shape, index, lattice, entry);
+            self.fill(shape, index, entry);
         }
         let place = self.fetched;
         (place < self.ready).then(|| {
@@ -73,17 +75,14 @@ impl<T: Copy> Entrance<T> {
     }
 
     #[inline(always)]
-    fn fill<S: Shape>(
-        &mut self,
-        shape: &S,
-        index: f64,
-        lattice: &mut Lattice<COORDINATES>,
-        entry: &mut impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
-    ) {
+    fn fill<S: Shape>(&mut self, shape: &S, index: f64, entry: &mut impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>) {
         for i in 0..self.ready {
-            let [for_flight, coordinates @ ..] = lattice.next();
+            let mut coordinates = [0.0; ENTRY_COORDINATES];
+            coordinates.iter_mut().for_each(|c| *c = unit(self.stream.next_u64()));
+            coordinates[0] = (self.begun as f64 + coordinates[0]) / self.paths as f64;
+            self.begun += 1;
             let entry = entry(&coordinates);
-            self.for_flight[i] = for_flight;
+            self.for_flight[i] = unit(self.stream.next_u64());
             self.tag[i] = Some(entry.tag);
             for axis in 0..3 {
                 self.position[axis][i] = entry.position[axis];

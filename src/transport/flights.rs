@@ -21,7 +21,7 @@ pub(super) struct Flights {
     pub cos_theta: [f64; LANES],
     /// 1/μ_s of the hero.
     pub mean_free_path: [f64; LANES],
-    /// The next flight is drawn from `preset` + `drawn` × an even number: the first from the lattice, later ones at random.
+    /// The next flight is drawn from `preset` + `drawn` × an even number: the first drawn at the entrance, later ones at random.
     pub preset: [f64; LANES],
     pub drawn: [f64; LANES],
     /// In mm: of the path so far, and since the weights were last worked out.

@@ -5,7 +5,6 @@ mod entrance;
 mod flights;
 mod interior;
 mod lane_math;
-mod lattice;
 mod ledger;
 mod shape;
 mod spectral;

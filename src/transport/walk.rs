@@ -1,14 +1,13 @@
 use super::angles::Angle;
-use super::entrance::{COORDINATES, Entrance};
+use super::entrance::Entrance;
 use super::flights::{Flights, LANES, Lanes3, Step, refract};
-use super::lattice::Lattice;
 use super::spectral::Spectral;
 use super::stream::LaneStream;
 use super::{Interior, Ledger, Shape, TransportError};
 use crate::geometry::Vec3;
 use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::Rng};
 
-/// Coordinates of a path's point of the lattice that are left for the entry: two of the place, two of the direction.
+/// Even numbers that an entry is made of. The first is stratified over the paths of a batch.
 pub const ENTRY_COORDINATES: usize = 4;
 
 /// Unbiased end of a path: below `threshold` of the weight it entered with, at every wavelength, a path survives with
@@ -54,8 +53,10 @@ const REFLECTIONS_IN_A_ROW: u32 = 10_000;
 /// Events after which the weights are worked out even if nothing leaves, so that products stay within range and trapped
 /// light meets roulette.
 const EVENTS_AT_MOST: u32 = 32;
-/// Paths in a row with the same hero, whose phase table then stays in the nearest cache.
-const PATHS_OF_A_HERO: u32 = 16;
+/// Paths in a row with the same hero, whose phase table then stays in the nearest cache: at most this many, and few enough
+/// for every hero to have so many turns in a batch.
+const PATHS_OF_A_HERO: usize = 16;
+const TURNS_OF_A_HERO: usize = 8;
 
 /// Where and whence light meets the body.
 #[derive(Clone, Copy, Debug)]
@@ -103,8 +104,8 @@ pub struct Walk<'a, S> {
 }
 
 impl<S: Shape> Walk<'_, S> {
-    /// Traces `paths` paths of light that `entry` lets in (its argument is a point of [0, 1)⁴, evenly spread over the
-    /// paths), hands every exit to `sink` and returns the sum of the paths' ledgers at each wavelength. The ledger of one
+    /// Traces `paths` paths of light that `entry` lets in (from numbers even in [0, 1), the first of them stratified
+    /// over the paths), hands every exit to `sink` and returns the sum of the paths' ledgers at each wavelength. The ledger of one
     /// wavelength alone closes to rounding; of more, in the mean.
     pub fn trace<T: Copy>(
         &self,
@@ -160,12 +161,12 @@ impl<S: Shape> Walk<'_, S> {
     #[inline(always)]
     fn trace_lanes<T: Copy>(
         &self,
-        mut stream: Xoshiro256PlusPlus,
+        stream: Xoshiro256PlusPlus,
         paths: usize,
         entry: impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
         sink: impl FnMut(&Exit<'_, T>),
     ) -> Vec<Ledger> {
-        let mut state = State::new(self, &mut stream, paths, entry, sink);
+        let mut state = State::new(self, stream, paths, entry, sink);
         let mut step = Step::default();
         while state.refill() {
             state.flights.fly(self.shape, 1.0 / self.interior.index(), &mut step);
@@ -181,13 +182,11 @@ struct State<'a, S, T, E, K> {
     walk: &'a Walk<'a, S>,
     entry: E,
     sink: K,
-    lattice: Lattice<COORDINATES>,
     entrance: Entrance<T>,
-    /// Paths that have not come to the entrance.
-    left: usize,
     /// Heroes take turns.
     next_hero: usize,
-    hero_paths: u32,
+    paths_of_a_hero: usize,
+    hero_paths: usize,
     flights: Flights,
     spectral: Spectral,
     reflected: f64,
@@ -213,16 +212,17 @@ where
     E: FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
     K: FnMut(&Exit<'_, T>),
 {
-    fn new(walk: &'a Walk<'a, S>, stream: &mut Xoshiro256PlusPlus, paths: usize, entry: E, sink: K) -> Self {
+    fn new(walk: &'a Walk<'a, S>, mut stream: Xoshiro256PlusPlus, paths: usize, entry: E, sink: K) -> Self {
+        let lanes = LaneStream::open(&mut stream);
+        let next_hero = (stream.next_u64() % walk.interior.wavelengths() as u64) as usize;
         Self {
             walk,
             entry,
             sink,
-            flights: Flights::new(LaneStream::open(stream)),
-            lattice: Lattice::open(stream),
-            entrance: Entrance::new(),
-            left: paths,
-            next_hero: (stream.next_u64() % walk.interior.wavelengths() as u64) as usize,
+            entrance: Entrance::new(stream, paths),
+            flights: Flights::new(lanes),
+            next_hero,
+            paths_of_a_hero: (paths / (TURNS_OF_A_HERO * walk.interior.wavelengths())).clamp(1, PATHS_OF_A_HERO),
             hero_paths: 0,
             spectral: Spectral::new(walk.interior),
             reflected: 0.0,
@@ -245,9 +245,7 @@ where
         for &lane in &idle[..count] {
             while !self.active[lane] {
                 let (shape, index) = (self.walk.shape, self.walk.interior.index());
-                let place = self
-                    .entrance
-                    .next(&mut self.left, shape, index, &mut self.lattice, &mut self.entry);
+                let place = self.entrance.next(shape, index, &mut self.entry);
                 match place {
                     Some(place) => self.begin(lane, place),
                     None => break,
@@ -262,7 +260,7 @@ where
         let interior = self.walk.interior;
         let hero = self.next_hero;
         self.hero_paths += 1;
-        if self.hero_paths == PATHS_OF_A_HERO {
+        if self.hero_paths == self.paths_of_a_hero {
             self.hero_paths = 0;
             self.next_hero = if hero + 1 == interior.wavelengths() {
                 0

@@ -194,7 +194,7 @@ impl<'a> PatchTracer<'a> {
             let sums = self.yarn.walk(&sharing.interior).trace(
                 stream,
                 paths,
-                |[around, _, zenith, turn]| {
+                |[zenith, turn, around, _]| {
                     let position = self.yarn.cylinder.at(width * (around - 0.5));
                     let frame = self.yarn.cylinder.frame(&position);
                     let local = cell.direction(*zenith, *turn);

@@ -167,6 +167,24 @@ pub fn data() -> ReportData {
             study: serde_json::json!({ "seed": 1 }),
             seed: 1,
             inputs: vec![InputDigest::of("abc", b"abc")],
+            effort: EffortNote {
+                batches: 24,
+                paths_per_batch: PathsPerBatch {
+                    bssrdf: 1_250,
+                    direct: 12_500,
+                },
+                stopped_by: "precision",
+                asked: AskedEffort {
+                    until: Some("rel 0.01 curves".to_owned()),
+                    max_time_s: Some(60.0),
+                    batches: 100_000,
+                },
+                reached: Some(ReachedPrecision {
+                    tolerance: "rel",
+                    of: "curves",
+                    largest_error: 0.0098,
+                }),
+            },
             fallbacks: vec!["none asked for".to_owned()],
             notices: vec!["the sweep stops at BLUE/RED 0.047".to_owned()],
         },

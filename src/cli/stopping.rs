@@ -1,0 +1,103 @@
+//! When a long run stops, and how it goes on after a kill.
+
+use super::{Failure, Options, Terminal};
+use specval::run::{self, Precision, Schedule, Simulation, Simulator, StateFile, StopRule, Watch};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "How long")]
+pub struct Stopping {
+    /// Go on until each standard error is below this: "rel 1%" or "abs 0.001", of the `curves` or, with that word behind
+    /// it, of the `ratios` of Table 1. Makes more batches than the study if need be, or with --paths no more than those.
+    #[arg(long, value_name = "PRECISION")]
+    pub until: Option<Precision>,
+    /// Trace no longer than this, such as 90s, 2min or 1h, but two batches in any case; the time of
+    /// a run that is resumed does not count. The sweep, with paths in proportion to
+    /// what was traced, and the graphs come on top.
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub max_time: Option<Duration>,
+    /// Least time between two savings of the state that --resume goes on from, more where saving would take over 5 % of the
+    /// time; 0s saves after each round of batches.
+    #[arg(long, value_name = "TIME", value_parser = time, default_value = "5s")]
+    pub checkpoint: Duration,
+    /// Go on from the state that a killed run of the same command left. Gives the same bytes as a run without a break.
+    #[arg(long)]
+    pub resume: bool,
+}
+
+impl Stopping {
+    pub fn rule(&self, study_batches: usize, options: &Options) -> StopRule {
+        StopRule::new(self.until, self.max_time, study_batches, options.paths.is_some())
+    }
+
+    /// Traces, shades and measures, and keeps the state in a file, which the caller removes when the results are written.
+    pub fn simulate(
+        &self,
+        simulator: &Simulator,
+        watch: Watch,
+        state: &StateFile,
+        rule: &StopRule,
+        terminal: &Terminal,
+    ) -> Result<Simulation, Failure> {
+        let start = Instant::now();
+        let mut resumed = Vec::new();
+        if self.resume {
+            let path = state.path().display();
+            match state.load(simulator)? {
+                Some(batches) => {
+                    terminal.notice(&format!("{path}: goes on after {} batches", batches.len()));
+                    resumed = batches;
+                }
+                None => terminal.notice(&format!(
+                    "{path}: no state to go on from; the run starts from its beginning"
+                )),
+            }
+        }
+        let tracing = terminal.progress("tracing and measuring");
+        let schedule = Schedule {
+            rule,
+            round: Simulator::ROUND,
+            checkpoint: Some(self.checkpoint),
+            clock: &|| start.elapsed(),
+            progress: &|share| tracing.advance(share),
+        };
+        let simulation = run::simulate(simulator, watch, resumed, state, &schedule);
+        tracing.finish();
+        Ok(simulation?)
+    }
+}
+
+/// The command, word by word, without the options that change no result: threads, quiet, checkpoints, resuming.
+pub fn recorded_command(words: impl IntoIterator<Item = String>) -> Vec<String> {
+    let mut words = words.into_iter();
+    let mut recorded = Vec::new();
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--resume" | "--quiet" => {}
+            "--checkpoint" | "--threads" => {
+                words.next();
+            }
+            _ if word.starts_with("--checkpoint=") || word.starts_with("--threads=") => {}
+            // Behind it there are no options.
+            "--" => {
+                recorded.push(word);
+                recorded.extend(&mut words);
+            }
+            _ => recorded.push(word),
+        }
+    }
+    recorded
+}
+
+/// The file with the state of the run that writes this one.
+pub fn state_beside(output: &Path) -> PathBuf {
+    let mut name = output.as_os_str().to_owned();
+    name.push(".state");
+    name.into()
+}
+
+fn time(text: &str) -> Result<Duration, String> {
+    humantime::parse_duration(text)
+        .map_err(|cause| format!("expected a time such as 90s, 2min or \"1h 30min\", found \"{text}\" ({cause})"))
+}

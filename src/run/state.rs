@@ -1,0 +1,169 @@
+use super::{Batch, Plan, RunError, Simulator};
+use crate::artefact::{ArrayInfo, ArtefactError, ElementType, Identity, Kind, Reader, Writer};
+use crate::report::{InputDigest, ReportError};
+use crate::study::Study;
+use crate::transport::Ledger;
+use serde::Serialize;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// All that decides about the bits of a batch, beside seed and program version.
+#[derive(Serialize)]
+struct Settings<'a> {
+    command: &'a str,
+    study: &'a Study,
+    inputs: &'a [InputDigest],
+}
+
+/// The file from which an interrupted simulation goes on: its batches so far, bit for bit.
+#[derive(Debug)]
+pub struct StateFile {
+    path: PathBuf,
+    identity: Identity,
+}
+
+/// Numbers of a [`Ledger`].
+const FRACTIONS: usize = 5;
+
+impl StateFile {
+    /// Nothing is read or written yet. `command` is the subcommand, since each measures other geometries.
+    pub fn new(path: impl Into<PathBuf>, command: &str, plan: &Plan) -> Result<Self, RunError> {
+        let settings = Settings {
+            command,
+            study: &plan.study,
+            inputs: &plan.inputs,
+        };
+        Ok(Self {
+            path: path.into(),
+            identity: Identity::new(plan.study.seed, &settings)?,
+        })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The batches kept there, from number 0 on; `None` where there is no file.
+    ///
+    /// # Errors
+    /// A file that is damaged, or of another command, study, seed or program version. It stays as it is.
+    pub fn load(&self, simulator: &Simulator) -> Result<Option<Vec<Batch>>, RunError> {
+        let mut file = match Reader::open(&self.path, Kind::State) {
+            Ok(file) => file,
+            Err(ArtefactError::NotReadable { cause, .. }) if cause.kind() == io::ErrorKind::NotFound => {
+                return Ok(None);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        file.expect(&self.identity)?;
+        let batches = file.arrays().next().and_then(|info| info.shape.first().copied());
+        let [ledgers, diffuse] = arrays(simulator, batches.unwrap_or(0));
+        let [directions, wavelengths] = simulator.ledger_shape();
+        let ledgers = file.array::<f64>(&ledgers.name, &ledgers.shape)?;
+        let diffuse = file.array::<f64>(&diffuse.name, &diffuse.shape)?;
+        let stored = std::iter::zip(
+            ledgers.chunks_exact(directions * wavelengths * FRACTIONS),
+            diffuse.chunks_exact(simulator.geometries().len() * wavelengths),
+        );
+        Ok(Some(
+            stored
+                .map(|(ledgers, diffuse)| Batch {
+                    ledgers: ledgers.as_chunks().0.iter().map(ledger).collect(),
+                    diffuse: diffuse.chunks_exact(wavelengths).map(<[f64]>::to_vec).collect(),
+                })
+                .collect(),
+        ))
+    }
+
+    /// Replaces the file, whole or not at all.
+    pub(super) fn save(
+        &self,
+        simulator: &Simulator,
+        ledgers: &[Vec<Ledger>],
+        diffuse: &[Vec<Vec<f64>>],
+    ) -> Result<(), RunError> {
+        let infos = arrays(simulator, ledgers.len());
+        let header = serde_json::json!({ "batches": ledgers.len() });
+        let mut file = Writer::create(&self.path, Kind::State, &self.identity, &header, &infos)?;
+        file.append(&infos[0].name, ledgers.iter().flatten().flat_map(fractions))?;
+        file.append(&infos[1].name, diffuse.iter().flatten().flatten().copied())?;
+        Ok(file.finish()?)
+    }
+
+    /// Removes the file once the results are written, and what killed runs left of theirs.
+    pub fn remove(self) -> Result<(), RunError> {
+        let remove = |path: &Path| match std::fs::remove_file(path) {
+            Err(cause) if cause.kind() != io::ErrorKind::NotFound => Err(ReportError::NotWritable {
+                path: path.to_owned(),
+                cause,
+            }),
+            _ => Ok(()),
+        };
+        remove(&self.path)?;
+        for leftover in self.leftovers() {
+            remove(&leftover)?;
+        }
+        Ok(())
+    }
+
+    /// Half-written files beside this one: its name, process id and number, `.partial`.
+    fn leftovers(&self) -> Vec<PathBuf> {
+        let folder = match self.path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let is_leftover = |name: &str| {
+            let own = self.path.file_name().and_then(|own| own.to_str());
+            let numbers = own
+                .and_then(|own| name.strip_prefix(own)?.strip_prefix('.')?.strip_suffix(".partial"))
+                .and_then(|numbers| numbers.split_once('-'));
+            let is_number = |digits: &str| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
+            numbers.is_some_and(|(process, n)| is_number(process) && is_number(n))
+        };
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries
+            .filter(|entry| entry.file_name().to_str().is_some_and(is_leftover))
+            .map(|entry| entry.path())
+            .collect()
+    }
+}
+
+/// What the file holds for this many batches.
+fn arrays(simulator: &Simulator, batches: usize) -> [ArrayInfo; 2] {
+    let array = |name: &str, unit: &str, axes: &str, shape: &[usize]| ArrayInfo {
+        name: name.into(),
+        unit: unit.into(),
+        axes: axes.into(),
+        shape: shape.to_vec(),
+        element: ElementType::F64,
+    };
+    let [directions, wavelengths] = simulator.ledger_shape();
+    [
+        array(
+            "ledgers",
+            "fraction of the incident flux",
+            "batch, traced incident direction, wavelength, (reflected, ballistic, scattered, absorbed, roulette)",
+            &[batches, directions, wavelengths, FRACTIONS],
+        ),
+        array(
+            "diffuse",
+            "1",
+            "batch, geometry, wavelength",
+            &[batches, simulator.geometries().len(), wavelengths],
+        ),
+    ]
+}
+
+fn fractions(of: &Ledger) -> [f64; FRACTIONS] {
+    [of.reflected, of.ballistic, of.scattered, of.absorbed, of.roulette]
+}
+
+fn ledger(&[reflected, ballistic, scattered, absorbed, roulette]: &[f64; FRACTIONS]) -> Ledger {
+    Ledger {
+        reflected,
+        ballistic,
+        scattered,
+        absorbed,
+        roulette,
+    }
+}

@@ -1,0 +1,199 @@
+use std::fmt;
+use std::str::FromStr;
+use std::time::Duration;
+
+/// When to make no further batch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StopRule {
+    /// Stop as soon as every watched quantity is known this well.
+    pub precision: Option<Precision>,
+    /// Stop when this much time is over.
+    pub max_time: Option<Duration>,
+    /// Stop at this many batches.
+    pub batches: usize,
+}
+
+/// Which part of the rule ended a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StoppedBy {
+    /// Every batch, hence every path, that was allowed.
+    Paths,
+    Precision,
+    Time,
+}
+
+impl StoppedBy {
+    /// As reports and artefacts say it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Paths => "paths",
+            Self::Precision => "precision",
+            Self::Time => "time",
+        }
+    }
+}
+
+impl StopRule {
+    /// Batches made in any case: one has no standard error.
+    pub const LEAST: usize = 2;
+    /// Batches before precision is asked: the standard error of fewer is itself too uncertain (25 % of it with 8).
+    pub const LEAST_FOR_PRECISION: usize = 8;
+    /// Batches of a run that waits for its precision.
+    pub const MOST: usize = 100_000;
+
+    /// The study's batches or the time, whichever comes first. With a precision batches go on beyond the study's
+    /// number, unless `paths_are_a_limit`: then they end there.
+    pub fn new(
+        precision: Option<Precision>,
+        max_time: Option<Duration>,
+        study_batches: usize,
+        paths_are_a_limit: bool,
+    ) -> Self {
+        let open_end = precision.is_some() && !paths_are_a_limit;
+        Self {
+            precision,
+            max_time,
+            batches: if open_end { Self::MOST } else { study_batches },
+        }
+    }
+
+    /// Whether the run ends with this many batches; `error` is the largest of the watched standard errors, and is asked
+    /// for only where it decides. Depends on nothing but the batches, unlike [`Self::is_out_of_time`].
+    pub fn reached(&self, batches: usize, error: impl FnOnce() -> Option<f64>) -> Option<StoppedBy> {
+        let precise = |precision: &Precision| {
+            batches >= Self::LEAST_FOR_PRECISION && error().is_some_and(|error| error <= precision.tolerance.size())
+        };
+        if self.precision.as_ref().is_some_and(precise) {
+            Some(StoppedBy::Precision)
+        } else if batches >= self.batches {
+            Some(StoppedBy::Paths)
+        } else {
+            None
+        }
+    }
+
+    /// Whether time is over; never before the least number of batches.
+    pub fn is_out_of_time(&self, batches: usize, elapsed: Duration) -> bool {
+        batches >= Self::LEAST && self.max_time.is_some_and(|limit| elapsed >= limit)
+    }
+}
+
+/// How well to know what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Precision {
+    pub tolerance: Tolerance,
+    pub of: Watched,
+}
+
+/// Largest standard error allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tolerance {
+    /// Over the value, 0.01 for 1 %.
+    Relative(f64),
+    /// In the unit of the value; brightness factors and ratios have none.
+    Absolute(f64),
+}
+
+impl Tolerance {
+    pub fn size(&self) -> f64 {
+        match *self {
+            Self::Relative(size) | Self::Absolute(size) => size,
+        }
+    }
+
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Relative(_) => "rel",
+            Self::Absolute(_) => "abs",
+        }
+    }
+
+    /// A standard error as the tolerance counts it. No value at all (0) is known with no relative error only if it has
+    /// none.
+    pub fn error(&self, value: f64, se: f64) -> f64 {
+        match self {
+            Self::Relative(_) if se == 0.0 => 0.0,
+            Self::Relative(_) => se / value.abs(),
+            Self::Absolute(_) => se,
+        }
+    }
+}
+
+/// The quantities of which each must be precise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Watched {
+    /// Luminance factor of every point of the model's curves, gloss included.
+    Curves,
+    /// BLUE/RED and GREEN/RED of the model in Table 1.
+    Ratios,
+}
+
+impl Watched {
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Curves => "curves",
+            Self::Ratios => "ratios",
+        }
+    }
+}
+
+/// A precision that cannot be understood.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "expected `rel` or `abs`, a number > 0 and, if you like, `curves` or `ratios`, such as \"rel 1%\" or \"abs 0.001 ratios\"; \
+     found {found}"
+)]
+pub struct PrecisionError {
+    found: String,
+}
+
+impl FromStr for Precision {
+    type Err = PrecisionError;
+
+    fn from_str(text: &str) -> Result<Self, PrecisionError> {
+        let wrong = |found: String| PrecisionError { found };
+        let mut words: Vec<&str> = text.split_whitespace().collect();
+        let of = match words.last() {
+            Some(&"curves") => Some(Watched::Curves),
+            Some(&"ratios") => Some(Watched::Ratios),
+            _ => None,
+        };
+        if of.is_some() {
+            words.pop();
+        }
+        let Some((&kind, number)) = words.split_first() else {
+            return Err(wrong(format!("\"{text}\"")));
+        };
+        // "1 %" is how many write it.
+        let number = number.concat();
+        let size = |digits: &str| {
+            let size = digits.parse::<f64>().ok();
+            size.filter(|size| size.is_finite() && *size > 0.0)
+                .ok_or_else(|| wrong(format!("\"{number}\" for the number in \"{text}\"")))
+        };
+        let tolerance = match (kind, number.strip_suffix('%')) {
+            ("rel", Some(percent)) => Tolerance::Relative(size(percent)? / 100.0),
+            ("rel", None) => Tolerance::Relative(size(&number)?),
+            ("abs", Some(_)) => return Err(wrong(format!("a share, %, for an absolute error in \"{text}\""))),
+            ("abs", None) => Tolerance::Absolute(size(&number)?),
+            _ => return Err(wrong(format!("\"{kind}\" in \"{text}\""))),
+        };
+        Ok(Self {
+            tolerance,
+            of: of.unwrap_or(Watched::Curves),
+        })
+    }
+}
+
+/// In the words it is read from.
+impl fmt::Display for Precision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} {} {}",
+            self.tolerance.word(),
+            self.tolerance.size(),
+            self.of.word()
+        )
+    }
+}

@@ -1,0 +1,116 @@
+use super::curves::{channels, gloss};
+use super::report::NORMAL;
+use super::{Plan, Precision, RunError, Tolerance, Watched};
+use crate::compare::Geometry;
+use crate::transport::Estimate;
+
+/// Keeps, batch by batch, the quantities whose standard errors a stop rule watches.
+///
+/// Monte Carlo errors alone: more batches lower no others. Where a report normalises the model, what is watched are the
+/// values it shows, whose errors hold that of the coefficient; the point that normalisation makes exact is watched as
+/// it was before.
+pub struct Watch<'a> {
+    plan: &'a Plan,
+    precision: Precision,
+    /// Gloss at each geometry.
+    gloss: Vec<f64>,
+    /// Place of normal incidence and view.
+    normal: Option<usize>,
+    /// Measured luminance at the normal, where the curves are normalised to it.
+    measured: Option<f64>,
+    /// Of each batch: luminance at each geometry, or linear RGB of the diffuse light at the normal.
+    batches: Vec<Vec<f64>>,
+}
+
+impl<'a> Watch<'a> {
+    /// Without a precision that was asked for, the relative one of the curves is told.
+    pub fn new(
+        plan: &'a Plan,
+        geometries: &[Geometry],
+        precision: Option<Precision>,
+        normalised: bool,
+    ) -> Result<Self, RunError> {
+        let precision = precision.unwrap_or(Precision {
+            tolerance: Tolerance::Relative(0.0),
+            of: Watched::Curves,
+        });
+        let normal = geometries.iter().position(|g| *g == NORMAL);
+        if precision.of == Watched::Ratios && normal.is_none() {
+            return Err(RunError::NoNormal);
+        }
+        let reading = plan
+            .sample
+            .reading(NORMAL.theta_i_deg, NORMAL.theta_v_deg, &plan.study.colour)?;
+        Ok(Self {
+            plan,
+            precision,
+            gloss: geometries.iter().map(|g| gloss(plan, *g)).collect(),
+            normal,
+            measured: reading.filter(|_| normalised).map(|reading| reading.beta[3]),
+            batches: Vec::new(),
+        })
+    }
+
+    pub(super) fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    /// `diffuse` is β at [geometry][wavelength] of one batch.
+    pub(super) fn add(&mut self, diffuse: &[Vec<f64>]) {
+        let colour = &self.plan.colour;
+        self.batches.push(match self.precision.of {
+            Watched::Curves => std::iter::zip(diffuse, &self.gloss)
+                .map(|(beta, gloss)| {
+                    let total: Vec<f64> = beta.iter().map(|b| b + gloss).collect();
+                    colour.xyz(&total).y
+                })
+                .collect(),
+            Watched::Ratios => {
+                let normal = self.normal.and_then(|place| diffuse.get(place));
+                normal.map_or_else(Vec::new, |beta| channels(colour, beta)[..3].to_vec())
+            }
+        });
+    }
+
+    /// Largest of the standard errors, as the precision counts them; none for fewer than two batches.
+    pub(super) fn largest_error(&self) -> Option<f64> {
+        if self.batches.len() < 2 {
+            return None;
+        }
+        let of = |place: usize| self.batches.iter().map(move |batch| batch[place]);
+        let estimates: Vec<Estimate> = match (self.precision.of, self.normal, self.measured) {
+            (Watched::Ratios, ..) => [2, 1].map(|channel| ratio(of(channel), of(0))).to_vec(),
+            (Watched::Curves, Some(normal), Some(measured)) => (0..self.gloss.len())
+                .map(|place| match place {
+                    _ if place == normal => Estimate::from_batches(of(place)),
+                    _ => {
+                        let Estimate { value, se } = ratio(of(place), of(normal));
+                        Estimate {
+                            value: value * measured,
+                            se: se * measured,
+                        }
+                    }
+                })
+                .collect(),
+            (Watched::Curves, ..) => (0..self.gloss.len())
+                .map(|place| Estimate::from_batches(of(place)))
+                .collect(),
+        };
+        let errors = estimates.iter().map(|e| self.precision.tolerance.error(e.value, e.se));
+        // In this order NaN is the largest, and no precision is ever reached with one.
+        errors.max_by(f64::total_cmp)
+    }
+}
+
+/// Ratio of two means with its delete-one jackknife error, as in [`crate::compare::Propagation`], in linear time.
+fn ratio(over: impl Iterator<Item = f64> + Clone, under: impl Iterator<Item = f64> + Clone) -> Estimate {
+    let sums = (over.clone().sum::<f64>(), under.clone().sum::<f64>());
+    let without = over.zip(under).map(|(a, b)| (sums.0 - a) / (sums.1 - b));
+    let count = without.clone().count() as f64;
+    let mean = without.clone().sum::<f64>() / count;
+    let square: f64 = without.map(|r| (r - mean) * (r - mean)).sum();
+    Estimate {
+        value: sums.0 / sums.1,
+        se: ((count - 1.0) / count * square).sqrt(),
+    }
+}

@@ -1,0 +1,87 @@
+//! Stop rules: their words, and what they make of batches.
+
+use specval::run::{Precision, StopRule, StoppedBy, Tolerance, Watched};
+use std::time::Duration;
+
+#[test]
+fn precisions_are_read_as_people_write_them() {
+    for (text, tolerance, of) in [
+        ("rel 1%", Tolerance::Relative(0.01), Watched::Curves),
+        ("rel 0.5 %", Tolerance::Relative(0.005), Watched::Curves),
+        ("  rel  0.02  curves ", Tolerance::Relative(0.02), Watched::Curves),
+        ("rel 2e-3 ratios", Tolerance::Relative(0.002), Watched::Ratios),
+        ("abs 0.001", Tolerance::Absolute(0.001), Watched::Curves),
+        ("abs 1e-4 ratios", Tolerance::Absolute(1e-4), Watched::Ratios),
+    ] {
+        let precision: Precision = text.parse().unwrap();
+        assert_eq!(precision, Precision { tolerance, of }, "{text}");
+        // What is printed can be typed.
+        assert_eq!(precision.to_string().parse(), Ok(precision), "{precision}");
+    }
+}
+
+#[test]
+fn what_is_no_precision_is_told_with_an_example() {
+    for (text, found) in [
+        ("", "\"\""),
+        ("curves", "\"curves\""),
+        ("1%", "\"1%\""),
+        ("relative 1%", "\"relative\""),
+        ("rel", "\"\""),
+        ("rel %", "\"%\""),
+        ("rel one", "\"one\""),
+        ("rel 0%", "\"0%\""),
+        ("rel -1%", "\"-1%\""),
+        ("rel nan", "\"nan\""),
+        ("abs inf", "\"inf\""),
+        ("abs 1%", "%"),
+        ("rel 1% graphs", "graphs"),
+        ("rel 1% curves ratios", "curves"),
+    ] {
+        let message = text.parse::<Precision>().unwrap_err().to_string();
+        for part in ["`rel`", "`abs`", "> 0", "rel 1%", found] {
+            assert!(message.contains(part), "{text}: {part} is missing in {message}");
+        }
+    }
+}
+
+#[test]
+fn the_study_the_paths_or_the_precision_is_the_end() {
+    let precision = "rel 1%".parse().ok();
+    for (precision, paths_are_a_limit, batches) in [
+        (None, false, 16),
+        (None, true, 16),
+        (precision, true, 16),
+        (precision, false, StopRule::MOST),
+    ] {
+        let rule = StopRule::new(precision, None, 16, paths_are_a_limit);
+        assert_eq!(rule.batches, batches);
+        assert_eq!(rule.reached(batches - 1, || Some(0.02)), None);
+        assert_eq!(rule.reached(batches, || Some(0.02)), Some(StoppedBy::Paths));
+        assert_eq!(rule.reached(batches, || None), Some(StoppedBy::Paths));
+    }
+    let rule = StopRule::new(precision, None, 16, false);
+    assert_eq!(rule.reached(8, || Some(0.01)), Some(StoppedBy::Precision));
+    assert_eq!(rule.reached(7, || Some(0.0)), None);
+    assert_eq!(rule.reached(100, || Some(f64::NAN)), None);
+    assert_eq!(rule.reached(100, || Some(f64::INFINITY)), None);
+}
+
+#[test]
+fn errors_are_counted_as_the_tolerance_says() {
+    let relative = Tolerance::Relative(0.01);
+    assert_eq!(relative.error(-0.5, 0.01), 0.02);
+    assert_eq!(relative.error(0.0, 0.0), 0.0);
+    assert_eq!(relative.error(0.0, 0.01), f64::INFINITY);
+    assert_eq!(Tolerance::Absolute(0.1).error(-0.5, 0.01), 0.01);
+}
+
+#[test]
+fn time_is_over_when_it_is_over() {
+    let rule = StopRule::new(None, Some(Duration::from_secs(60)), 16, false);
+    let seconds = Duration::from_secs;
+    assert!(!rule.is_out_of_time(2, Duration::from_millis(59_999)));
+    assert!(rule.is_out_of_time(2, seconds(60)));
+    assert!(!rule.is_out_of_time(1, seconds(1000)));
+    assert!(!StopRule::new(None, None, 16, false).is_out_of_time(16, seconds(1 << 40)));
+}
