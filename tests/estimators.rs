@@ -5,9 +5,9 @@
 //! a χ² of them has far fewer degrees of freedom than terms: its distribution comes from random signs of whole batches
 //! (`batches/mod.rs`), which keeps the correlation as it is.
 
-mod batches;
+mod batch_statistics;
 
-use batches::all_zero;
+use batch_statistics::all_zero;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::Deserialize;

@@ -1,6 +1,7 @@
 //! The whole chain as a user runs it: report, trace, measure, validate, and what bad input gets.
 
 use serde_json::Value;
+use specval::run::YarnArtefact;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -200,25 +201,30 @@ fn trace_keeps_what_it_says() {
         &["trace", "study.toml", "--out", "yarn.trace", "--quiet"],
     );
     assert!(text.contains("scattered") && text.contains("residual"));
-    let bytes = fs::read(folder.path().join("yarn.trace")).unwrap();
-    let mut lines = bytes.splitn(3, |b| *b == b'\n');
-    assert_eq!(lines.next(), Some(b"specval trace 1".as_slice()));
-    let header: Value = serde_json::from_slice(lines.next().unwrap()).unwrap();
-    let values: u64 = header["arrays"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|a| {
-            a["shape"]
-                .as_array()
-                .unwrap()
-                .iter()
-                .map(|n| n.as_u64().unwrap())
-                .product::<u64>()
-        })
-        .sum();
-    assert_eq!(lines.next().unwrap().len() as u64, 8 * values);
-    assert_eq!(header["energy"].as_array().unwrap().len(), 5 * 144);
+    let yarn = YarnArtefact::read(&folder.path().join("yarn.trace")).unwrap();
+    assert_eq!((yarn.batches, yarn.layout.wavelengths()), (4, 5));
+    assert_eq!(yarn.energy.len(), 5 * 144);
+    // Tilt, azimuth to 180°, exit cell, wavelength; direction, azimuth, z with overflow, exit cell, wavelength.
+    assert_eq!(yarn.direct.mean.len(), 4 * 6 * 32 * 5);
+    assert_eq!(yarn.layout.bssrdf_shape, [36, 20, 10, 8, 5]);
+    // The bins of path length add to f*, in single precision.
+    for (cell, bins) in yarn.by_length.mean.chunks(6 * 5).enumerate() {
+        for (wavelength, f) in yarn.direct.mean[cell * 5..][..5].iter().enumerate() {
+            let sum: f32 = bins.iter().skip(wavelength).step_by(5).sum();
+            approx::assert_relative_eq!(f64::from(sum), *f, max_relative = 1e-5);
+        }
+    }
+    // Of all incident light as much leaves by path length as the ledger says.
+    let row = yarn.energy.iter().find(|row| row.wavelength_nm == 600.0).unwrap();
+    let first = &yarn.energy_by_length.mean[3 * 6 * 4..][..6 * 4];
+    for (part, expected) in [(0, row.ballistic), (1, row.scattered)] {
+        let sum: f64 = first.iter().skip(part).step_by(4).sum();
+        approx::assert_relative_eq!(sum, expected, max_relative = 1e-12);
+    }
+    // What is written again is the same file.
+    yarn.write(&folder.path().join("again.trace")).unwrap();
+    let [first, again] = ["yarn.trace", "again.trace"].map(|name| fs::read(folder.path().join(name)).unwrap());
+    assert!(first == again && first.starts_with(b"specval-artefact 1\n"));
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Laws of the yarn's tracing: energy, symmetry, agreement of the two roads to f*, reproducibility. Seeds are fixed, so a
 //! stochastic test that passes always passes; the stated false-alarm rate is that of a new seed.
 
-mod batches;
+mod batch_statistics;
 
-use batches::{Joint, all_zero};
+use batch_statistics::{Joint, all_zero};
 use specval::optics::{Interference, Medium, MediumSpec};
 use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::transport::{Cylinder, Ledger, LedgerEntry, Roulette};

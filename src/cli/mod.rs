@@ -6,6 +6,7 @@ pub mod colour;
 pub mod init;
 pub mod measure;
 pub mod medium;
+pub mod merge;
 pub mod mie;
 pub mod report;
 mod stopping;
@@ -14,7 +15,7 @@ mod terminal;
 pub mod trace;
 pub mod validate;
 
-pub use stopping::{Stopping, recorded_command, state_beside};
+pub use stopping::{Limits, Stopping, recorded_command, state_beside};
 pub use terminal::{Failure, Terminal, exit};
 
 use clap::{Args, Parser, Subcommand};
@@ -42,6 +43,8 @@ pub enum Command {
     Medium(medium::Arguments),
     /// Monte Carlo of the yarn: energy ledger, BSSRDF, radiance factor.
     Trace(trace::Arguments),
+    /// Add the shards of a trace: the same file as one run.
+    Merge(merge::Arguments),
     /// Brightness factors of the woven model on the virtual rig.
     Measure(measure::Arguments),
     /// Reference problems (slabs, cylinders, spheres, yarns): value, reference, z-score.

@@ -12,6 +12,14 @@ pub struct Stopping {
     /// it, of the `ratios` of Table 1. Makes more batches than the study if need be, or with --paths no more than those.
     #[arg(long, value_name = "PRECISION")]
     pub until: Option<Precision>,
+    #[command(flatten)]
+    pub limits: Limits,
+}
+
+/// What runs have in common that watch different quantities.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "How long")]
+pub struct Limits {
     /// Trace no longer than this, such as 90s, 2min or 1h, but two batches in any case; the time of
     /// a run that is resumed does not count. The sweep, with paths in proportion to
     /// what was traced, and the graphs come on top.
@@ -26,9 +34,24 @@ pub struct Stopping {
     pub resume: bool,
 }
 
+impl Limits {
+    pub fn rule(&self, until: Option<Precision>, study_batches: usize, options: &Options) -> StopRule {
+        StopRule::new(until, self.max_time, study_batches, options.paths.is_some())
+    }
+
+    /// Tells after how many batches a run that is resumed goes on.
+    pub fn notice_resumed(&self, state: &Path, batches: Option<usize>, terminal: &Terminal) {
+        let path = state.display();
+        terminal.notice(&match batches {
+            Some(batches) => format!("{path}: goes on after {batches} batches"),
+            None => format!("{path}: no state to go on from; the run starts from its beginning"),
+        });
+    }
+}
+
 impl Stopping {
     pub fn rule(&self, study_batches: usize, options: &Options) -> StopRule {
-        StopRule::new(self.until, self.max_time, study_batches, options.paths.is_some())
+        self.limits.rule(self.until, study_batches, options)
     }
 
     /// Traces, shades and measures, and keeps the state in a file, which the caller removes when the results are written.
@@ -42,23 +65,17 @@ impl Stopping {
     ) -> Result<Simulation, Failure> {
         let start = Instant::now();
         let mut resumed = Vec::new();
-        if self.resume {
-            let path = state.path().display();
-            match state.load(simulator)? {
-                Some(batches) => {
-                    terminal.notice(&format!("{path}: goes on after {} batches", batches.len()));
-                    resumed = batches;
-                }
-                None => terminal.notice(&format!(
-                    "{path}: no state to go on from; the run starts from its beginning"
-                )),
-            }
+        if self.limits.resume {
+            let found = state.load(simulator)?;
+            self.limits
+                .notice_resumed(state.path(), found.as_ref().map(Vec::len), terminal);
+            resumed = found.unwrap_or_default();
         }
         let tracing = terminal.progress("tracing and measuring");
         let schedule = Schedule {
             rule,
             round: Simulator::ROUND,
-            checkpoint: Some(self.checkpoint),
+            checkpoint: Some(self.limits.checkpoint),
             clock: &|| start.elapsed(),
             progress: &|share| tracing.advance(share),
         };

@@ -6,6 +6,7 @@
 mod chart;
 mod graphs;
 mod json;
+mod ledger;
 mod output;
 mod result;
 mod summary;
@@ -13,6 +14,7 @@ mod tables;
 
 pub use graphs::{Graph, graphs};
 pub use json::report_json;
+pub use ledger::{LedgerRange, ledger_ranges, ledger_table};
 pub use output::{OutputFolder, check_writable, write_whole};
 pub use result::{
     AskedEffort, Convention, EffortNote, EnergyRow, InputDigest, PathsPerBatch, Provenance, ReachedPrecision,

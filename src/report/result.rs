@@ -1,7 +1,7 @@
 //! The one plain result everything in this room is a pure function of.
 
 use crate::compare::{ColourRatios, CurvePoint, Normalisation, Peak, Rmse, RmseRatio};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Everything a report shows. No clock, host name or path stands in it outside [`Provenance`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -112,7 +112,7 @@ pub struct SampleNote {
 }
 
 /// SHA-256 of one input.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputDigest {
     /// What the input is called in the study: a table's name or the file as typed.
     pub name: String,
@@ -166,7 +166,8 @@ pub struct AskedEffort {
 pub struct ReachedPrecision {
     /// "rel" if it is over its value, "abs" if not.
     pub tolerance: &'static str,
-    /// "curves", the luminance of the model's points, or "ratios", its row of Table 1.
+    /// "curves", the luminance of the model's points, "ratios", its row of Table 1, or "scattered", that fraction of the
+    /// ledger.
     pub of: &'static str,
     pub largest_error: f64,
 }

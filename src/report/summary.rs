@@ -1,5 +1,5 @@
 use super::tables::{channel_name, rounded, with_error};
-use super::{EffortNote, EnergyRow, ReportData, Table1Name};
+use super::{EffortNote, ReportData, Table1Name, ledger_table};
 use crate::compare::{Channel, Rmse, RmseRatio, Source, Verdict};
 use std::fmt::Write;
 
@@ -9,7 +9,9 @@ pub fn summary(data: &ReportData) -> String {
     let mut text = String::new();
     table1(&mut text, data);
     comparison(&mut text, data);
-    energy(&mut text, &data.energy);
+    if !data.energy.is_empty() {
+        let _ = write!(text, "\n{}", ledger_table(&data.energy));
+    }
     let _ = writeln!(
         text,
         "\nsample: {} ({}). {}",
@@ -38,9 +40,12 @@ pub fn effort_line(effort: &EffortNote) -> String {
             "rel" => "relative ",
             _ => "",
         };
+        let of = match reached.of {
+            "scattered" => "scattered fractions",
+            other => other,
+        };
         format!(
-            "; largest {kind}standard error of the {}: {}",
-            reached.of,
+            "; largest {kind}standard error of the {of}: {}",
             rounded(reached.largest_error)
         )
     });
@@ -131,41 +136,4 @@ fn verdict(ratio: &RmseRatio) -> String {
         format!(", 95 % interval {} to {}", rounded(low), rounded(high))
     });
     format!("{words} (ratio {}{interval})", rounded(ratio.ratio))
-}
-
-/// Extremes over all wavelengths and directions: the mean of a ledger says nothing, its worst row does.
-fn energy(text: &mut String, rows: &[EnergyRow]) {
-    if rows.is_empty() {
-        return;
-    }
-    let _ = writeln!(
-        text,
-        "\n{:<10} {:>12} {:>12} {:>12}   fraction of the incident flux, {} rows",
-        "energy",
-        "lowest",
-        "mean",
-        "highest",
-        rows.len()
-    );
-    type Fraction = fn(&EnergyRow) -> f64;
-    let fractions: [(&str, Fraction); 6] = [
-        ("reflected", |row| row.reflected),
-        ("ballistic", |row| row.ballistic),
-        ("scattered", |row| row.scattered),
-        ("absorbed", |row| row.absorbed),
-        ("roulette", |row| row.roulette),
-        ("residual", |row| row.residual),
-    ];
-    for (name, of) in fractions {
-        let low = rows.iter().map(of).fold(f64::INFINITY, f64::min);
-        let high = rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
-        let mean = rows.iter().map(of).sum::<f64>() / rows.len() as f64;
-        let _ = writeln!(
-            text,
-            "{name:<10} {:>12} {:>12} {:>12}",
-            rounded(low),
-            rounded(mean),
-            rounded(high)
-        );
-    }
 }

@@ -1,5 +1,6 @@
 //! A whole study: every stage in turn, from the study's values to the report's data.
 
+mod artefact;
 mod batches;
 mod camera;
 mod curves;
@@ -11,13 +12,17 @@ mod stop;
 mod trace;
 mod watch;
 
+pub use artefact::{
+    LengthTable, MediumValues, Shard, ShardError, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings,
+    merge_shards, trace_shard,
+};
 pub use batches::{Gather, Outcome, Schedule, gather};
 pub use camera::CameraBatch;
 pub use curves::SpectralCurves;
 pub use plan::{Plan, RunError, medium};
 pub use report::{report, report_geometries};
 pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};
-pub use state::StateFile;
+pub use state::{StateFile, remove_state};
 pub use stop::{Precision, PrecisionError, StopRule, StoppedBy, Tolerance, Watched};
 pub use trace::{YarnBatch, YarnSums, YarnTracer, trace_yarn};
 pub use watch::Watch;

@@ -5,16 +5,17 @@ use crate::compare::{CompareError, Geometry};
 use crate::optics::{Interference, Medium, MediumSpec, OpticsError};
 use crate::report::{InputDigest, ReportError};
 use crate::rig::{PixelSamples, Rig, RigError};
+use crate::run::ShardError;
 use crate::sample::{Sample, SampleError};
 use crate::shading::{Distribution, ShadingError, Specular};
 use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_csv_spectra, read_csv_spectrum, tables};
 use crate::study::{
     CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable, Study,
-    StudyError, WeaveChoice,
+    StudyError, TraceSection, WeaveChoice,
 };
 use crate::transport::{Cylinder, Roulette};
 use crate::yarn::{BssrdfGrid, Effort, Estimator, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn, YarnError};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Why a study cannot be run.
 #[derive(Debug, thiserror::Error)]
@@ -48,6 +49,13 @@ pub enum RunError {
     Report(#[from] ReportError),
     #[error(transparent)]
     Artefact(#[from] ArtefactError),
+    #[error(transparent)]
+    Shard(#[from] ShardError),
+    #[error(
+        "{}: expected the state of at most {most} batches, with which this run would end, found {found}; ask for as much as \
+         the run that left it, or remove it and start from the beginning", path.display()
+    )]
+    StateTooFar { path: PathBuf, found: usize, most: usize },
     #[error(
         "the ratios of Table 1 are of normal incidence and view: expected both in `[rig]`, found none; add incidence 0 and \
          view 0, or ask for the precision of `curves`"
@@ -87,25 +95,15 @@ impl Plan {
             sha256: sample.digest().to_owned(),
         });
         let trace = &study.trace;
-        let cells = |n: u32| n as usize;
-        let surface = |theta, phi| SurfaceGrid::new(cells(trace.exit_azimuth_cells), cells(theta), cells(phi));
-        let factor_grid = RadianceFactorGrid::new(
-            cells(trace.tilts),
-            surface(trace.exit_theta_cells, trace.exit_phi_cells)?,
-        )?;
-        let effort = |paths| Effort::new(study.seed, cells(trace.batches), paths);
+        let effort = |paths| Effort::new(study.seed, trace.batches as usize, paths);
         let specular = &study.specular;
-        let pixels = cells(study.rig.pixels_per_side);
+        let pixels = study.rig.pixels_per_side as usize;
         Ok(Self {
             yarn: yarn(&study, &study.medium, spectra, &grid)?,
-            incident: IncidentGrid::new(
-                cells(trace.zenith_cells),
-                cells(trace.azimuth_cells),
-                trace.fold_symmetry,
-            )?,
-            bssrdf_surface: surface(trace.bssrdf_exit_theta_cells, trace.bssrdf_exit_phi_cells)?,
+            incident: incident_grid(trace)?,
+            bssrdf_surface: bssrdf_surface(trace)?,
             bssrdf_effort: effort(trace.paths_bssrdf)?,
-            factor_grid,
+            factor_grid: factor_grid(trace)?,
             direct_effort: effort(trace.paths_direct)?,
             cloth: Cloth::new(&cloth_spec(&study))?,
             specular: Specular::new(
@@ -166,6 +164,33 @@ impl Plan {
 
 fn le_bytes(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+pub(super) fn incident_grid(trace: &TraceSection) -> Result<IncidentGrid, YarnError> {
+    IncidentGrid::new(
+        trace.zenith_cells as usize,
+        trace.azimuth_cells as usize,
+        trace.fold_symmetry,
+    )
+}
+
+/// Axes of f*.
+pub(super) fn factor_grid(trace: &TraceSection) -> Result<RadianceFactorGrid, YarnError> {
+    let surface = SurfaceGrid::new(
+        trace.exit_azimuth_cells as usize,
+        trace.exit_theta_cells as usize,
+        trace.exit_phi_cells as usize,
+    )?;
+    RadianceFactorGrid::new(trace.tilts as usize, surface)
+}
+
+/// Where and in what direction light leaves in the stored BSSRDF.
+pub(super) fn bssrdf_surface(trace: &TraceSection) -> Result<SurfaceGrid, YarnError> {
+    SurfaceGrid::new(
+        trace.bssrdf_azimuth_cells as usize,
+        trace.bssrdf_exit_theta_cells as usize,
+        trace.bssrdf_exit_phi_cells as usize,
+    )
 }
 
 fn yarn(

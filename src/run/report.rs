@@ -116,7 +116,7 @@ pub fn report(
         },
         table1,
         conventions,
-        energy: energy_rows(plan, &simulation.ledgers),
+        energy: energy_rows(plan.grid.nm(), &plan.incident, &simulation.ledgers),
         normalisation: comparison.map(|c| c.normalisation),
         rmse: comparison.map(|c| c.rmse.clone()).unwrap_or_default(),
         peaks: comparison.map(|c| c.peaks.clone()).unwrap_or_default(),

@@ -1,9 +1,12 @@
-use super::{CameraBatch, Gather, Plan, RunError, Schedule, SpectralCurves, StateFile, Watch, gather};
+use super::{
+    CameraBatch, Gather, Outcome, Plan, Precision, RunError, Schedule, SpectralCurves, StateFile, StopRule, Watch,
+    gather,
+};
 use crate::compare::Geometry;
 use crate::report::{AskedEffort, EffortNote, EnergyRow, PathsPerBatch, ReachedPrecision};
 use crate::study::ShadeWith;
 use crate::transport::{Ledger, LedgerEntry};
-use crate::yarn::{BssrdfGrid, DirectTracer, EnergyTracer, PatchTracer};
+use crate::yarn::{BssrdfGrid, DirectTracer, EnergyTracer, IncidentGrid, PatchTracer};
 
 /// What one batch of light through yarn, cloth and rig gives. Nothing in it grows with the number of paths.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,38 +153,43 @@ pub fn simulate(
     Ok(Simulation {
         curves: SpectralCurves::new(plan, simulator.geometries.clone(), done.diffuse),
         ledgers: done.ledgers,
-        effort: EffortNote {
-            batches: outcome.batches,
-            paths_per_batch: PathsPerBatch {
-                bssrdf: plan.bssrdf_effort.paths_per_batch,
-                direct: plan.direct_effort.paths_per_batch,
-            },
-            stopped_by: outcome.stopped_by.word(),
-            asked: AskedEffort {
-                until: rule.precision.map(|precision| precision.to_string()),
-                max_time_s: rule.max_time.map(|time| time.as_secs_f64()),
-                batches: rule.batches,
-            },
-            reached: outcome.reached.map(|largest_error| ReachedPrecision {
-                tolerance: watched.tolerance.word(),
-                of: watched.of.word(),
-                largest_error,
-            }),
-        },
+        effort: effort_note(plan, rule, &outcome, watched),
     })
 }
 
+/// What a run under this rule did; `watched` is what its largest error is of.
+pub(super) fn effort_note(plan: &Plan, rule: &StopRule, outcome: &Outcome, watched: Precision) -> EffortNote {
+    EffortNote {
+        batches: outcome.batches,
+        paths_per_batch: PathsPerBatch {
+            bssrdf: plan.bssrdf_effort.paths_per_batch,
+            direct: plan.direct_effort.paths_per_batch,
+        },
+        stopped_by: outcome.stopped_by.word(),
+        asked: AskedEffort {
+            until: rule.precision.map(|precision| precision.to_string()),
+            max_time_s: rule.max_time.map(|time| time.as_secs_f64()),
+            batches: rule.batches,
+        },
+        reached: outcome.reached.map(|largest_error| ReachedPrecision {
+            tolerance: watched.tolerance.word(),
+            of: watched.of.word(),
+            largest_error,
+        }),
+    }
+}
+
 /// The ledger of every wavelength and incident direction, mirrored ones included, from that of every batch.
-pub fn energy_rows(plan: &Plan, batches: &[Vec<Ledger>]) -> Vec<EnergyRow> {
-    let wavelengths = plan.grid.len();
-    let entries: Vec<LedgerEntry> = (0..plan.incident.traced() * wavelengths)
+pub fn energy_rows(wavelength_nm: &[f64], incident: &IncidentGrid, batches: &[Vec<Ledger>]) -> Vec<EnergyRow> {
+    let wavelengths = wavelength_nm.len();
+    let entries: Vec<LedgerEntry> = (0..incident.traced() * wavelengths)
         .map(|i| LedgerEntry::from_batches(&batches.iter().map(|batch| batch[i]).collect::<Vec<_>>()))
         .collect();
-    let mut rows = Vec::with_capacity(plan.grid.len() * plan.incident.len());
-    for (wavelength, &wavelength_nm) in plan.grid.nm().iter().enumerate() {
-        for direction in 0..plan.incident.len() {
-            let entry = &entries[plan.incident.representative(direction).0 * wavelengths + wavelength];
-            let [theta_in_deg, phi_in_deg] = plan.incident.angles_deg(direction);
+    let mut rows = Vec::with_capacity(wavelengths * incident.len());
+    for (wavelength, &wavelength_nm) in wavelength_nm.iter().enumerate() {
+        for direction in 0..incident.len() {
+            let entry = &entries[incident.representative(direction).0 * wavelengths + wavelength];
+            let [theta_in_deg, phi_in_deg] = incident.angles_deg(direction);
             let [
                 reflected_se,
                 ballistic_se,

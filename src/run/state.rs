@@ -92,40 +92,45 @@ impl StateFile {
 
     /// Removes the file once the results are written, and what killed runs left of theirs.
     pub fn remove(self) -> Result<(), RunError> {
-        let remove = |path: &Path| match std::fs::remove_file(path) {
-            Err(cause) if cause.kind() != io::ErrorKind::NotFound => Err(ReportError::NotWritable {
-                path: path.to_owned(),
-                cause,
-            }),
-            _ => Ok(()),
-        };
-        remove(&self.path)?;
-        for leftover in self.leftovers() {
-            remove(&leftover)?;
-        }
-        Ok(())
+        remove_state(&self.path)
     }
+}
 
-    /// Half-written files beside this one: its name, process id and number, `.partial`.
-    fn leftovers(&self) -> Vec<PathBuf> {
-        let folder = match self.path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let is_leftover = |name: &str| {
-            let own = self.path.file_name().and_then(|own| own.to_str());
-            let numbers = own
-                .and_then(|own| name.strip_prefix(own)?.strip_prefix('.')?.strip_suffix(".partial"))
-                .and_then(|numbers| numbers.split_once('-'));
-            let is_number = |digits: &str| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
-            numbers.is_some_and(|(process, n)| is_number(process) && is_number(n))
-        };
-        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        entries
-            .filter(|entry| entry.file_name().to_str().is_some_and(is_leftover))
-            .map(|entry| entry.path())
-            .collect()
+/// Removes a state once the results are written, and what killed runs left of theirs.
+pub fn remove_state(path: &Path) -> Result<(), RunError> {
+    let remove = |path: &Path| match std::fs::remove_file(path) {
+        Err(cause) if cause.kind() != io::ErrorKind::NotFound => Err(ReportError::NotWritable {
+            path: path.to_owned(),
+            cause,
+        }),
+        _ => Ok(()),
+    };
+    remove(path)?;
+    for leftover in leftovers(path) {
+        remove(&leftover)?;
     }
+    Ok(())
+}
+
+/// Half-written files beside this one: its name, process id and number, `.partial`.
+fn leftovers(path: &Path) -> Vec<PathBuf> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let is_leftover = |name: &str| {
+        let own = path.file_name().and_then(|own| own.to_str());
+        let numbers = own
+            .and_then(|own| name.strip_prefix(own)?.strip_prefix('.')?.strip_suffix(".partial"))
+            .and_then(|numbers| numbers.split_once('-'));
+        let is_number = |digits: &str| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
+        numbers.is_some_and(|(process, n)| is_number(process) && is_number(n))
+    };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries
+        .filter(|entry| entry.file_name().to_str().is_some_and(is_leftover))
+        .map(|entry| entry.path())
+        .collect()
 }
 
 /// What the file holds for this many batches.

@@ -126,6 +126,8 @@ pub enum Watched {
     Curves,
     /// BLUE/RED and GREEN/RED of the model in Table 1.
     Ratios,
+    /// Scattered fraction of the ledger at every wavelength and incident direction.
+    Scattered,
 }
 
 impl Watched {
@@ -133,6 +135,7 @@ impl Watched {
         match self {
             Self::Curves => "curves",
             Self::Ratios => "ratios",
+            Self::Scattered => "scattered",
         }
     }
 }
@@ -140,24 +143,42 @@ impl Watched {
 /// A precision that cannot be understood.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "expected `rel` or `abs`, a number > 0 and, if you like, `curves` or `ratios`, such as \"rel 1%\" or \"abs 0.001 ratios\"; \
+    "expected `rel` or `abs`, a number > 0 and, if you like, {allowed}, such as \"rel 1%\" or \"abs 0.001 {example}\"; \
      found {found}"
 )]
 pub struct PrecisionError {
+    /// Quantities that may be named.
+    allowed: String,
+    example: &'static str,
     found: String,
 }
 
 impl FromStr for Precision {
     type Err = PrecisionError;
 
+    /// Of the curves, unless the ratios are named.
     fn from_str(text: &str) -> Result<Self, PrecisionError> {
-        let wrong = |found: String| PrecisionError { found };
-        let mut words: Vec<&str> = text.split_whitespace().collect();
-        let of = match words.last() {
-            Some(&"curves") => Some(Watched::Curves),
-            Some(&"ratios") => Some(Watched::Ratios),
-            _ => None,
+        Self::parse(text, Watched::Curves, &[Watched::Ratios])
+    }
+}
+
+impl Precision {
+    /// Of one quantity, unless one of the others is named.
+    pub fn parse(text: &str, default: Watched, others: &[Watched]) -> Result<Self, PrecisionError> {
+        let quantities: Vec<Watched> = [default].into_iter().chain(others.iter().copied()).collect();
+        let wrong = |found: String| PrecisionError {
+            allowed: quantities
+                .iter()
+                .map(|of| format!("`{}`", of.word()))
+                .collect::<Vec<_>>()
+                .join(" or "),
+            example: quantities[quantities.len() - 1].word(),
+            found,
         };
+        let mut words: Vec<&str> = text.split_whitespace().collect();
+        let of = words
+            .last()
+            .and_then(|last| quantities.iter().copied().find(|of| of.word() == *last));
         if of.is_some() {
             words.pop();
         }
@@ -180,7 +201,7 @@ impl FromStr for Precision {
         };
         Ok(Self {
             tolerance,
-            of: of.unwrap_or(Watched::Curves),
+            of: of.unwrap_or(default),
         })
     }
 }

@@ -1,97 +1,221 @@
-use super::{Plan, Progress, RunError};
+use super::artefact::{YarnArtefact, YarnLayout};
+use super::simulate::effort_note;
+use super::{Gather, Plan, Precision, RunError, Schedule, Tolerance, Watched, gather};
+use crate::report::EffortNote;
 use crate::transport::{BatchSums, Ledger};
 use crate::yarn::{
-    BssrdfBatch, BssrdfGrid, DirectBatch, DirectTracer, EnergyBatch, EnergyTracer, LengthBins, LengthSums, PatchTracer,
+    BssrdfGrid, DirectBatch, DirectTracer, EnergyTracer, LengthBins, LengthSums, LengthTally, PatchTracer,
 };
+use std::path::Path;
+
+/// Bins of path length; the last begins at 16 radii.
+const LENGTH_BINS: usize = 6;
 
 /// Everything one batch of tracing tells about the yarn alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct YarnBatch {
-    pub energy: EnergyBatch,
-    pub direct: DirectBatch,
-    pub patch: BssrdfBatch,
+    /// Traced incident direction × wavelength, wavelength fastest.
+    pub ledgers: Vec<Ledger>,
+    /// What left by path length: traced direction × wavelength × bin × (ballistic, scattered, and both times path length).
+    pub energy_by_length: Vec<f64>,
+    /// f* of the direct simulation, and of the sum over the BSSRDF, 1/sr: cell × wavelength.
+    pub direct: Vec<f64>,
+    pub summed: Vec<f64>,
+    /// BSSRDF as fractions, axes as its grid says. Rounded to single precision, far below the noise of a cell: this is
+    /// the largest table by far.
+    pub bssrdf: Vec<f32>,
+    /// f* of the direct simulation by path length.
+    pub by_length: LengthTally,
 }
 
 /// Makes batches of the yarn: ledger, BSSRDF, f* by both roads, path lengths.
 pub struct YarnTracer<'a> {
     plan: &'a Plan,
-    grid: &'a BssrdfGrid,
-    lengths: &'a LengthBins,
+    grid: BssrdfGrid,
+    lengths: LengthBins,
 }
 
 impl<'a> YarnTracer<'a> {
-    pub fn new(plan: &'a Plan, grid: &'a BssrdfGrid, lengths: &'a LengthBins) -> Self {
-        Self { plan, grid, lengths }
+    /// Batches to have under way at once. Each takes hundreds of megabytes, and keeps all threads busy by itself.
+    pub const ROUND: usize = 1;
+
+    pub fn new(plan: &'a Plan) -> Result<Self, RunError> {
+        Ok(Self {
+            plan,
+            grid: plan.bssrdf_grid()?,
+            lengths: LengthBins::new(plan.yarn.cylinder.radius_mm(), LENGTH_BINS)?,
+        })
+    }
+
+    /// What the tables hold and along which axes.
+    pub fn layout(&self) -> YarnLayout {
+        YarnLayout::of(self.plan, &self.grid, &self.lengths)
     }
 
     /// Batch number `batch`, the same whenever and wherever it is made.
     pub fn batch(&self, batch: usize) -> Result<YarnBatch, RunError> {
         let plan = self.plan;
-        let lengths = Some(self.lengths);
-        let energy = EnergyTracer::new(&plan.yarn, plan.incident, plan.bssrdf_effort, lengths)?;
+        let lengths = Some(&self.lengths);
+        // The table that takes most memory while it is made comes first, before the others are there.
+        let (bssrdf, summed) = {
+            let tracer = PatchTracer::new(&plan.yarn, &self.grid, plan.factor_grid, plan.bssrdf_effort)?;
+            let patch = tracer.batch(batch);
+            let rounded: Vec<f32> = patch.fractions.iter().map(|&fraction| fraction as f32).collect();
+            (rounded, patch.radiance_factor)
+        };
+        let energy = EnergyTracer::new(&plan.yarn, plan.incident, plan.bssrdf_effort, lengths)?.batch(batch);
         let direct = DirectTracer::new(&plan.yarn, plan.factor_grid, plan.direct_effort, lengths)?;
-        let patch = PatchTracer::new(&plan.yarn, self.grid, plan.factor_grid, plan.bssrdf_effort)?;
+        let DirectBatch {
+            radiance_factor,
+            lengths,
+            ..
+        } = direct.batch(batch);
         Ok(YarnBatch {
-            energy: energy.batch(batch),
-            direct: direct.batch(batch),
-            patch: patch.batch(batch),
+            ledgers: energy.ledgers,
+            energy_by_length: energy.lengths.into_flattened(),
+            direct: radiance_factor,
+            summed,
+            bssrdf,
+            by_length: lengths,
         })
     }
 }
 
-/// Batches of the yarn added up in their order. Only the energy is kept batch by batch; the rest takes the same memory
+/// Batches of the yarn added up in their order. Only the ledgers are kept batch by batch; the rest takes the same memory
 /// for any number of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct YarnSums {
-    pub energy: Vec<EnergyBatch>,
-    /// f* of the direct simulation, and of the sum over the BSSRDF: cell × wavelength.
+    /// [batch][traced incident direction × wavelength].
+    pub ledgers: Vec<Vec<Ledger>>,
+    /// See [`YarnBatch`].
+    pub energy_by_length: BatchSums,
     pub direct: BatchSums,
     pub summed: BatchSums,
-    /// Fractions, axes as the BSSRDF's grid says.
     pub bssrdf: BatchSums,
-    /// f* of the direct simulation by path length.
-    pub lengths: LengthSums,
+    pub by_length: LengthSums,
 }
 
 impl YarnSums {
-    pub fn new(plan: &Plan, grid: &BssrdfGrid, lengths: &LengthBins) -> Self {
-        let values = plan.factor_grid.cells() * plan.grid.len();
+    pub fn new(layout: &YarnLayout) -> Self {
+        let values = layout.factor_grid.cells() * layout.wavelengths();
         Self {
-            energy: Vec::new(),
+            ledgers: Vec::new(),
+            energy_by_length: BatchSums::zeros(layout.incident.traced() * layout.wavelengths() * layout.bins() * 4),
             direct: BatchSums::zeros(values),
             summed: BatchSums::zeros(values),
-            bssrdf: BatchSums::zeros(grid.shape().iter().product()),
-            lengths: LengthSums::zeros(values * lengths.bins()),
+            bssrdf: BatchSums::zeros(layout.bssrdf_shape.iter().product()),
+            by_length: LengthSums::zeros(values * layout.bins()),
         }
     }
 
+    /// Adds the next batch.
     pub fn add(&mut self, batch: YarnBatch) {
-        self.direct.add(&batch.direct.radiance_factor);
-        self.summed.add(&batch.patch.radiance_factor);
-        self.bssrdf.add(&batch.patch.fractions);
-        self.lengths.add(&batch.direct.lengths);
-        self.energy.push(batch.energy);
-    }
-
-    /// [batch][traced incident direction × wavelength].
-    pub fn ledgers(&self) -> Vec<Vec<Ledger>> {
-        self.energy.iter().map(|batch| batch.ledgers.clone()).collect()
+        self.ledgers.push(batch.ledgers);
+        self.energy_by_length.add(&batch.energy_by_length);
+        self.direct.add(&batch.direct);
+        self.summed.add(&batch.summed);
+        self.bssrdf.add(&batch.bssrdf);
+        self.by_length.add(&batch.by_length);
     }
 }
 
-/// Traces all batches of a study.
-pub fn trace_yarn(
-    plan: &Plan,
-    grid: &BssrdfGrid,
-    lengths: &LengthBins,
-    progress: Progress,
-) -> Result<YarnSums, RunError> {
-    let tracer = YarnTracer::new(plan, grid, lengths);
-    let mut sums = YarnSums::new(plan, grid, lengths);
-    let batches = plan.direct_effort.batches;
-    for batch in 0..batches {
-        sums.add(tracer.batch(batch)?);
-        progress(1.0 / batches as f64);
+/// Batches of a trace so far.
+struct Tracing<'a> {
+    tracer: &'a YarnTracer<'a>,
+    layout: YarnLayout,
+    sums: YarnSums,
+    scattered: BatchSums,
+    tolerance: Option<Tolerance>,
+    state: &'a Path,
+}
+
+impl Tracing<'_> {
+    /// Takes one batch's scattered fractions into what the stop rule watches.
+    fn watch(scattered: &mut BatchSums, ledgers: &[Ledger]) {
+        let fractions: Vec<f64> = ledgers.iter().map(|ledger| ledger.scattered).collect();
+        scattered.add(&fractions);
     }
-    Ok(sums)
+}
+
+impl Gather for Tracing<'_> {
+    type Batch = YarnBatch;
+    type Error = RunError;
+
+    fn batches(&self) -> usize {
+        self.sums.ledgers.len()
+    }
+
+    fn make(&self, batch: usize) -> Result<YarnBatch, RunError> {
+        self.tracer.batch(batch)
+    }
+
+    fn accept(&mut self, batch: YarnBatch) {
+        Self::watch(&mut self.scattered, &batch.ledgers);
+        self.sums.add(batch);
+    }
+
+    fn largest_error(&self) -> Option<f64> {
+        largest_error(&self.scattered, self.tolerance?)
+    }
+
+    fn save(&self) -> Result<(), RunError> {
+        self.sums.save(&self.layout, self.state)
+    }
+}
+
+/// Largest standard error of the ledger's scattered fractions over wavelengths and directions, as the tolerance counts
+/// it; none for fewer than two batches.
+fn largest_error(scattered: &BatchSums, tolerance: Tolerance) -> Option<f64> {
+    if scattered.batches < 2 {
+        return None;
+    }
+    (0..scattered.sum.len())
+        .map(|i| scattered.estimate(i))
+        .map(|estimate| tolerance.error(estimate.value, estimate.se))
+        .max_by(f64::total_cmp)
+}
+
+/// Traces until the schedule's rule says stop; its precision is that of the ledger's scattered fractions. Goes on from
+/// `resumed`, if there is one, and keeps the state in the file `state`.
+///
+/// # Errors
+/// A state of more batches than this rule would have let a run make.
+pub fn trace_yarn(
+    tracer: &YarnTracer,
+    resumed: Option<YarnSums>,
+    state: &Path,
+    schedule: &Schedule,
+) -> Result<(YarnArtefact, EffortNote), RunError> {
+    let layout = tracer.layout();
+    let rule = schedule.rule;
+    let tolerance = rule.precision.map(|precision| precision.tolerance);
+    let mut scattered = BatchSums::zeros(layout.incident.traced() * layout.wavelengths());
+    let sums = resumed.unwrap_or_else(|| YarnSums::new(&layout));
+    for (batches, ledgers) in sums.ledgers.iter().enumerate() {
+        let error = || largest_error(&scattered, tolerance?);
+        if rule.reached(batches, error).is_some() {
+            return Err(RunError::StateTooFar {
+                path: state.to_owned(),
+                found: sums.ledgers.len(),
+                most: batches,
+            });
+        }
+        Tracing::watch(&mut scattered, ledgers);
+    }
+    let mut tracing = Tracing {
+        tracer,
+        layout,
+        sums,
+        scattered,
+        tolerance,
+        state,
+    };
+    let outcome = gather(&mut tracing, schedule)?;
+    // Without a precision nothing is watched, and its largest error is none.
+    let watched = rule.precision.unwrap_or(Precision {
+        tolerance: Tolerance::Absolute(0.0),
+        of: Watched::Scattered,
+    });
+    let effort = effort_note(tracer.plan, rule, &outcome, watched);
+    Ok((YarnArtefact::new(tracing.layout, tracing.sums), effort))
 }

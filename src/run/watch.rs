@@ -65,6 +65,8 @@ impl<'a> Watch<'a> {
                     colour.xyz(&total).y
                 })
                 .collect(),
+            // A trace of the yarn alone watches the ledger.
+            Watched::Scattered => Vec::new(),
             Watched::Ratios => {
                 let normal = self.normal.and_then(|place| diffuse.get(place));
                 normal.map_or_else(Vec::new, |beta| channels(colour, beta)[..3].to_vec())
@@ -79,6 +81,7 @@ impl<'a> Watch<'a> {
         }
         let of = |place: usize| self.batches.iter().map(move |batch| batch[place]);
         let estimates: Vec<Estimate> = match (self.precision.of, self.normal, self.measured) {
+            (Watched::Scattered, ..) => return None,
             (Watched::Ratios, ..) => [2, 1].map(|channel| ratio(of(channel), of(0))).to_vec(),
             (Watched::Curves, Some(normal), Some(measured)) => (0..self.gloss.len())
                 .map(|place| match place {

@@ -340,10 +340,16 @@ pub(super) const SECTIONS: &[Section] = &[
                 "Exit directions: cells in azimuth, a multiple of 4.",
             ),
             field(
+                "bssrdf_azimuth_cells",
+                "",
+                CELLS,
+                "Cells around the yarn of the stored BSSRDF, whose table has two more axes; a multiple of 4.",
+            ),
+            field(
                 "bssrdf_exit_theta_cells",
                 "",
                 CELLS,
-                "The same for the BSSRDF, whose table has two more axes.",
+                "Its exit directions: cells in the zenith angle.",
             ),
             field("bssrdf_exit_phi_cells", "", CELLS, "A multiple of 4."),
             field("z_cells", "", CELLS, "Cells along the yarn where light leaves."),

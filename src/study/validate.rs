@@ -231,6 +231,7 @@ fn trace(trace: &TraceSection) -> Result<(), StudyError> {
         ("azimuth_cells", trace.azimuth_cells, 4),
         ("exit_azimuth_cells", trace.exit_azimuth_cells, 4),
         ("exit_phi_cells", trace.exit_phi_cells, 4),
+        ("bssrdf_azimuth_cells", trace.bssrdf_azimuth_cells, 4),
         ("bssrdf_exit_phi_cells", trace.bssrdf_exit_phi_cells, 4),
         ("z_cells", trace.z_cells, 2),
     ] {

@@ -20,6 +20,17 @@ impl Estimate {
             },
         }
     }
+
+    /// The same from Σ x and Σ x² of so many batches.
+    pub fn from_sums(batches: u64, sum: f64, square: f64) -> Self {
+        let n = batches as f64;
+        let value = sum / n;
+        let spread = (square / n - value * value).max(0.0);
+        Self {
+            value,
+            se: if n > 1.0 { (spread / (n - 1.0)).sqrt() } else { 0.0 },
+        }
+    }
 }
 
 /// Many values of which only the sums over batches are kept: Σ x and Σ x², whatever the number of batches. Batches are
@@ -41,9 +52,10 @@ impl BatchSums {
     }
 
     /// Adds one batch, as many values as there are.
-    pub fn add(&mut self, batch: &[f64]) {
+    pub fn add<T: Copy + Into<f64>>(&mut self, batch: &[T]) {
         self.batches += 1;
         for ((sum, square), x) in self.sum.iter_mut().zip(&mut self.square).zip(batch) {
+            let x: f64 = (*x).into();
             *sum += x;
             *square += x * x;
         }
@@ -51,13 +63,7 @@ impl BatchSums {
 
     /// Mean of value i and its standard error, 0 for one batch.
     pub fn estimate(&self, i: usize) -> Estimate {
-        let n = self.batches as f64;
-        let value = self.sum[i] / n;
-        let spread = (self.square[i] / n - value * value).max(0.0);
-        Estimate {
-            value,
-            se: if n > 1.0 { (spread / (n - 1.0)).sqrt() } else { 0.0 },
-        }
+        Estimate::from_sums(self.batches, self.sum[i], self.square[i])
     }
 }
 

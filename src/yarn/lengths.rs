@@ -1,4 +1,5 @@
 use super::YarnError;
+use crate::transport::Estimate;
 
 /// Bins of the length of a path inside the yarn. The first reaches to the radius, each next one twice as far, the last has
 /// no end.
@@ -72,5 +73,10 @@ impl LengthSums {
             *sum += x;
             *square += x * x;
         }
+    }
+
+    /// Mean amount of value i and its standard error, 0 for one batch.
+    pub fn estimate(&self, i: usize) -> Estimate {
+        Estimate::from_sums(self.batches, self.amount[i].into(), self.square[i].into())
     }
 }

@@ -1,0 +1,226 @@
+use crate::artefact::{ArrayInfo, ArtefactError, ElementType, Identity, Kind, Reader};
+use crate::report::InputDigest;
+use crate::run::plan::{bssrdf_surface, factor_grid, incident_grid};
+use crate::run::{Plan, RunError};
+use crate::study::Study;
+use crate::yarn::{BssrdfGrid, IncidentGrid, LengthBins, RadianceFactorGrid};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::path::Path;
+
+/// All that the numbers of a trace of the yarn depend on: the identity of its files.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct YarnSettings {
+    pub study: Study,
+    /// Digests of the tables and files that went in.
+    pub inputs: Vec<InputDigest>,
+    /// What came of them, so that a part made with another C library is told before it is added. Its name puts it behind
+    /// the study, whose keys are told first where two files differ.
+    #[serde(rename = "traced_medium")]
+    pub medium: MediumValues,
+}
+
+/// The yarn's medium as it was traced, a value for each wavelength.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MediumValues {
+    pub wavelength_nm: Vec<f64>,
+    pub host_index: Vec<f64>,
+    pub mu_s_per_mm: Vec<f64>,
+    pub mu_a_per_mm: Vec<f64>,
+}
+
+/// What stands along the axes of the tables, for readers without this library.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct YarnAxes {
+    pub wavelength_nm: Vec<f64>,
+    /// Edges of the cells of the light's tilt out of the yarn's normal plane, one more than cells.
+    pub tilt_edges_deg: Vec<f64>,
+    /// Upper edges of the cells of z > 0; the same below 0, and one overflow cell at either end.
+    pub z_edges_mm: Vec<f64>,
+    /// Upper edges of the bins of path length, but for the last, which has none.
+    pub length_edges_mm: Vec<f64>,
+    /// Every incident direction of the ledger, mirrored ones included: zenith angle, azimuth from tangent to axis.
+    pub incident_deg: Vec<[f64; 2]>,
+}
+
+/// Settings and axes of one study's tables, and what follows from them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct YarnLayout {
+    pub settings: YarnSettings,
+    pub axes: YarnAxes,
+    pub incident: IncidentGrid,
+    pub factor_grid: RadianceFactorGrid,
+    /// Traced incident direction × exit azimuth × z × exit cell × wavelength.
+    pub bssrdf_shape: [usize; 5],
+}
+
+impl YarnLayout {
+    pub(in crate::run) fn of(plan: &Plan, grid: &BssrdfGrid, lengths: &LengthBins) -> Self {
+        let medium = &plan.yarn.medium;
+        let factor = &plan.factor_grid;
+        let tilt_edges = (0..factor.tilts()).map(|k| factor.tilt_edges(k)[0]);
+        let last = factor.tilt_edges(factor.tilts() - 1)[1];
+        Self {
+            settings: YarnSettings {
+                study: plan.study.clone(),
+                inputs: plan.inputs.clone(),
+                medium: MediumValues {
+                    wavelength_nm: plan.grid.nm().to_vec(),
+                    host_index: medium.host_index().to_vec(),
+                    mu_s_per_mm: medium.mu_s_per_mm().to_vec(),
+                    mu_a_per_mm: medium.mu_a_per_mm().to_vec(),
+                },
+            },
+            axes: YarnAxes {
+                wavelength_nm: plan.grid.nm().to_vec(),
+                tilt_edges_deg: tilt_edges.chain([last]).map(f64::to_degrees).collect(),
+                z_edges_mm: grid.z_edges_mm().to_vec(),
+                length_edges_mm: lengths.edges_mm().to_vec(),
+                incident_deg: (0..plan.incident.len()).map(|i| plan.incident.angles_deg(i)).collect(),
+            },
+            incident: plan.incident,
+            factor_grid: plan.factor_grid,
+            bssrdf_shape: grid.shape(),
+        }
+    }
+
+    /// Of a file whose header has the axes under `axes`.
+    pub(super) fn read(path: &Path, kind: Kind, reader: &Reader) -> Result<Self, RunError> {
+        let settings: YarnSettings = parse(path, kind, "identity", reader.identity().value())?;
+        let axes: YarnAxes = parse(path, kind, "header.axes", &reader.header()["axes"])?;
+        let trace = &settings.study.trace;
+        settings.study.validate()?;
+        let incident = incident_grid(trace)?;
+        let factor_grid = factor_grid(trace)?;
+        let surface = bssrdf_surface(trace)?;
+        let wavelengths = axes.wavelength_nm.len();
+        let medium = &settings.medium;
+        let of_medium = [
+            medium.wavelength_nm.len(),
+            medium.host_index.len(),
+            medium.mu_s_per_mm.len(),
+            medium.mu_a_per_mm.len(),
+        ];
+        let z_cells = trace.z_cells as usize;
+        if of_medium != [wavelengths; 4]
+            || axes.tilt_edges_deg.len() != factor_grid.tilts() + 1
+            || 2 * axes.z_edges_mm.len() != z_cells
+            || axes.incident_deg.len() != incident.len()
+        {
+            return Err(damaged(path, kind, "axes that are not those of its study".into()));
+        }
+        Ok(Self {
+            bssrdf_shape: [
+                incident.traced(),
+                surface.azimuths(),
+                z_cells + 2,
+                surface.exit().cells(),
+                wavelengths,
+            ],
+            settings,
+            axes,
+            incident,
+            factor_grid,
+        })
+    }
+
+    pub fn identity(&self) -> Result<Identity, RunError> {
+        Ok(Identity::new(self.settings.study.seed, &self.settings)?)
+    }
+
+    pub fn wavelengths(&self) -> usize {
+        self.axes.wavelength_nm.len()
+    }
+
+    /// Batches of the whole study.
+    pub fn batches(&self) -> usize {
+        self.settings.study.trace.batches as usize
+    }
+
+    /// Bins of path length.
+    pub fn bins(&self) -> usize {
+        self.axes.length_edges_mm.len() + 1
+    }
+
+    /// Traced incident direction × wavelength × bin × (ballistic, scattered, and both times path length in mm).
+    pub(super) fn energy_by_length(&self) -> Array {
+        Array {
+            unit: "fraction of the incident flux; the same times mm",
+            axes: "traced direction, wavelength, bin of path length; ballistic, scattered, ballistic moment, scattered moment",
+            shape: vec![self.incident.traced(), self.wavelengths(), self.bins(), 4],
+        }
+    }
+
+    /// f*: cell × wavelength.
+    pub(super) fn factor(&self) -> Array {
+        let grid = &self.factor_grid;
+        Array {
+            unit: "1/sr",
+            axes: "tilt, azimuth from the light 0..180 deg, exit cell (theta, phi), wavelength",
+            shape: vec![
+                grid.tilts(),
+                grid.azimuths(),
+                grid.surface().exit().cells(),
+                self.wavelengths(),
+            ],
+        }
+    }
+
+    pub(super) fn bssrdf(&self) -> Array {
+        Array {
+            unit: "fraction of the flux incident on the patch",
+            axes: "traced direction, exit azimuth, z (overflow first and last), exit cell (theta, phi), wavelength",
+            shape: self.bssrdf_shape.to_vec(),
+        }
+    }
+
+    /// f* by path length: cell × bin × wavelength; and the same times path length.
+    pub(super) fn factor_by_length(&self) -> [Array; 2] {
+        let mut shape = self.factor().shape;
+        shape.insert(3, self.bins());
+        ["1/sr", "mm/sr"].map(|unit| Array {
+            unit,
+            axes: "tilt, azimuth from the light 0..180 deg, exit cell (theta, phi), bin of path length, wavelength",
+            shape: shape.clone(),
+        })
+    }
+}
+
+/// An array but for its name and element type.
+#[derive(Clone, Debug)]
+pub(super) struct Array {
+    pub unit: &'static str,
+    pub axes: &'static str,
+    pub shape: Vec<usize>,
+}
+
+impl Array {
+    pub fn info(&self, name: impl Into<String>, element: ElementType) -> ArrayInfo {
+        ArrayInfo {
+            name: name.into(),
+            unit: self.unit.into(),
+            axes: self.axes.into(),
+            shape: self.shape.clone(),
+            element,
+        }
+    }
+}
+
+/// A part of the JSON of a sound file.
+pub(super) fn parse<T: serde::de::DeserializeOwned>(
+    path: &Path,
+    kind: Kind,
+    what: &str,
+    value: &Value,
+) -> Result<T, RunError> {
+    serde_json::from_value(value.clone())
+        .map_err(|cause| damaged(path, kind, format!("`{what}` that cannot be read ({cause})")))
+}
+
+pub(super) fn damaged(path: &Path, kind: Kind, found: String) -> RunError {
+    RunError::Artefact(ArtefactError::Damaged {
+        path: path.to_owned(),
+        kind,
+        found,
+    })
+}

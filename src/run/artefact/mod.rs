@@ -1,0 +1,229 @@
+//! Files of the yarn's trace, written and read back: the artefact, shards of it, and the state of an unfinished run.
+
+mod batch_arrays;
+mod layout;
+mod shard;
+mod state;
+
+pub use layout::{MediumValues, YarnAxes, YarnLayout, YarnSettings};
+pub use shard::{Shard, ShardError, merge_shards, trace_shard};
+
+use super::{RunError, YarnSums, energy_rows};
+use crate::artefact::{ElementType, Kind, Reader, Writer};
+use crate::report::EnergyRow;
+use crate::transport::BatchSums;
+use crate::yarn::LengthSums;
+use layout::{Array, parse};
+use std::path::Path;
+
+/// Means over the batches and their standard errors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    pub mean: Vec<f64>,
+    /// Single precision, as no more is known of an error.
+    pub se: Vec<f32>,
+}
+
+impl From<BatchSums> for Table {
+    fn from(sums: BatchSums) -> Self {
+        let se = (0..sums.sum.len()).map(|i| sums.estimate(i).se as f32).collect();
+        let n = sums.batches as f64;
+        let mut mean = sums.sum;
+        mean.iter_mut().for_each(|sum| *sum /= n);
+        Self { mean, se }
+    }
+}
+
+/// f* split by path length: cell × bin × wavelength. Single precision: its rounding is far below the noise of a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LengthTable {
+    /// f* of the paths of the bin, 1/sr; the bins add to f*.
+    pub mean: Vec<f32>,
+    pub se: Vec<f32>,
+    /// Mean of f* times path length, mm/sr.
+    pub moment_mm: Vec<f32>,
+}
+
+impl From<LengthSums> for LengthTable {
+    fn from(sums: LengthSums) -> Self {
+        let se = (0..sums.amount.len()).map(|i| sums.estimate(i).se as f32).collect();
+        let mean = |mut sums: Vec<f32>, n: u64| {
+            sums.iter_mut()
+                .for_each(|sum| *sum = (f64::from(*sum) / n as f64) as f32);
+            sums
+        };
+        Self {
+            mean: mean(sums.amount, sums.batches),
+            se,
+            moment_mm: mean(sums.moment_mm, sums.batches),
+        }
+    }
+}
+
+/// What `trace` finds out about a study's yarn, and the content of its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct YarnArtefact {
+    pub layout: YarnLayout,
+    /// Batches that were traced.
+    pub batches: usize,
+    /// The ledger: wavelength × incident direction, mirrored ones included.
+    pub energy: Vec<EnergyRow>,
+    /// What left by path length: traced direction × wavelength × bin × (ballistic, scattered, ballistic times path length,
+    /// scattered times path length), fractions of the incident flux and the same times mm.
+    pub energy_by_length: Table,
+    /// f* of the direct simulation, 1/sr: cell × wavelength.
+    pub direct: Table,
+    /// f* as the sum of the BSSRDF, 1/sr: cell × wavelength.
+    pub summed: Table,
+    /// BSSRDF as fractions of the flux incident on the patch, axes as [`crate::yarn::BssrdfGrid`] says.
+    pub bssrdf: Table,
+    /// f* of the direct simulation by path length.
+    pub by_length: LengthTable,
+}
+
+impl YarnArtefact {
+    /// Takes the sums apart, so that nothing is in memory twice.
+    pub fn new(layout: YarnLayout, sums: YarnSums) -> Self {
+        Self {
+            batches: sums.ledgers.len(),
+            energy: energy_rows(&layout.axes.wavelength_nm, &layout.incident, &sums.ledgers),
+            layout,
+            energy_by_length: sums.energy_by_length.into(),
+            direct: sums.direct.into(),
+            summed: sums.summed.into(),
+            bssrdf: sums.bssrdf.into(),
+            by_length: sums.by_length.into(),
+        }
+    }
+
+    /// Writes the file whole or not at all.
+    pub fn write(&self, path: &Path) -> Result<(), RunError> {
+        let layout = &self.layout;
+        let tables = self.tables();
+        let [amount, moment] = layout.factor_by_length();
+        let energy = energy(layout);
+        let mut arrays = vec![
+            energy.info("energy", ElementType::F64),
+            energy.info("energy_se", ElementType::F64),
+        ];
+        for (name, array, _) in &tables {
+            arrays.push(array.info(*name, ElementType::F64));
+            arrays.push(array.info(format!("{name}_se"), ElementType::F32));
+        }
+        arrays.push(amount.info("radiance_factor_by_length", ElementType::F32));
+        arrays.push(amount.info("radiance_factor_by_length_se", ElementType::F32));
+        arrays.push(moment.info("radiance_factor_by_length_moment", ElementType::F32));
+        let header = serde_json::json!({ "batches": self.batches, "axes": layout.axes });
+        let mut file = Writer::create(path, Kind::Artefact, &layout.identity()?, &header, &arrays)?;
+        file.append("energy", self.energy.iter().flat_map(|row| fractions(row).map(|f| f.0)))?;
+        file.append(
+            "energy_se",
+            self.energy.iter().flat_map(|row| fractions(row).map(|f| f.1)),
+        )?;
+        for (name, _, table) in tables {
+            file.append(name, table.mean.iter().copied())?;
+            file.append(&format!("{name}_se"), table.se.iter().copied())?;
+        }
+        let lengths = &self.by_length;
+        file.append("radiance_factor_by_length", lengths.mean.iter().copied())?;
+        file.append("radiance_factor_by_length_se", lengths.se.iter().copied())?;
+        file.append("radiance_factor_by_length_moment", lengths.moment_mm.iter().copied())?;
+        Ok(file.finish()?)
+    }
+
+    /// Reads a file back, bit for bit.
+    pub fn read(path: &Path) -> Result<Self, RunError> {
+        let mut file = Reader::open(path, Kind::Artefact)?;
+        let layout = YarnLayout::read(path, Kind::Artefact, &file)?;
+        let batches = parse(path, Kind::Artefact, "header.batches", &file.header()["batches"])?;
+        let energy = {
+            let shape = energy(&layout).shape;
+            let mean: Vec<f64> = file.array("energy", &shape)?;
+            let se: Vec<f64> = file.array("energy_se", &shape)?;
+            rows(&layout, &mean, &se)
+        };
+        let mut table = |name: &str, array: Array| -> Result<Table, RunError> {
+            Ok(Table {
+                mean: file.array(name, &array.shape)?,
+                se: file.array(&format!("{name}_se"), &array.shape)?,
+            })
+        };
+        let energy_by_length = table("energy_by_length", layout.energy_by_length())?;
+        let direct = table("radiance_factor_direct", layout.factor())?;
+        let summed = table("radiance_factor_bssrdf", layout.factor())?;
+        let bssrdf = table("bssrdf_fraction", layout.bssrdf())?;
+        let [amount, moment] = layout.factor_by_length();
+        Ok(Self {
+            batches,
+            energy,
+            energy_by_length,
+            direct,
+            summed,
+            bssrdf,
+            by_length: LengthTable {
+                mean: file.array("radiance_factor_by_length", &amount.shape)?,
+                se: file.array("radiance_factor_by_length_se", &amount.shape)?,
+                moment_mm: file.array("radiance_factor_by_length_moment", &moment.shape)?,
+            },
+            layout,
+        })
+    }
+
+    /// Tables of double precision in the file's order.
+    fn tables(&self) -> [(&'static str, Array, &Table); 4] {
+        let layout = &self.layout;
+        [
+            ("energy_by_length", layout.energy_by_length(), &self.energy_by_length),
+            ("radiance_factor_direct", layout.factor(), &self.direct),
+            ("radiance_factor_bssrdf", layout.factor(), &self.summed),
+            ("bssrdf_fraction", layout.bssrdf(), &self.bssrdf),
+        ]
+    }
+}
+
+fn energy(layout: &YarnLayout) -> Array {
+    Array {
+        unit: "fraction of the incident flux",
+        axes: "wavelength, incident direction; reflected, ballistic, scattered, absorbed, roulette, residual",
+        shape: vec![layout.wavelengths(), layout.incident.len(), 6],
+    }
+}
+
+/// Each fraction of a row and its standard error.
+fn fractions(row: &EnergyRow) -> [(f64, f64); 6] {
+    [
+        (row.reflected, row.reflected_se),
+        (row.ballistic, row.ballistic_se),
+        (row.scattered, row.scattered_se),
+        (row.absorbed, row.absorbed_se),
+        (row.roulette, row.roulette_se),
+        (row.residual, row.residual_se),
+    ]
+}
+
+fn rows(layout: &YarnLayout, mean: &[f64], se: &[f64]) -> Vec<EnergyRow> {
+    let directions = layout.axes.incident_deg.len();
+    std::iter::zip(mean.as_chunks::<6>().0, se.as_chunks::<6>().0)
+        .enumerate()
+        .map(|(i, (mean, se))| {
+            let [theta_in_deg, phi_in_deg] = layout.axes.incident_deg[i % directions];
+            EnergyRow {
+                wavelength_nm: layout.axes.wavelength_nm[i / directions],
+                theta_in_deg,
+                phi_in_deg,
+                reflected: mean[0],
+                reflected_se: se[0],
+                ballistic: mean[1],
+                ballistic_se: se[1],
+                scattered: mean[2],
+                scattered_se: se[2],
+                absorbed: mean[3],
+                absorbed_se: se[3],
+                roulette: mean[4],
+                roulette_se: se[4],
+                residual: mean[5],
+                residual_se: se[5],
+            }
+        })
+        .collect()
+}

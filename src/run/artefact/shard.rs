@@ -1,0 +1,273 @@
+use super::batch_arrays::{append_batch, batch_arrays, read_batch};
+use super::layout::{damaged, parse};
+use super::{YarnArtefact, YarnLayout};
+use crate::artefact::{Kind, Reader, Writer};
+use crate::report::EnergyRow;
+use crate::run::{Progress, RunError, YarnSums, YarnTracer, energy_rows};
+use std::collections::BTreeSet;
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// One of the parts a study's batches are dealt into, for as many machines: number K of N, from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Shard {
+    number: u32,
+    of: u32,
+}
+
+/// What is wrong with a shard, or with a set of them.
+#[derive(Debug, thiserror::Error)]
+pub enum ShardError {
+    #[error("expected K/N, shard K of N with K from 1 to N, such as 3/16; found \"{found}\"")]
+    Name { found: String },
+    #[error(
+        "shard {shard}: expected at most {batches} shards, one for each of the study's batches, found {}; make fewer, or raise \
+         `trace.batches` for all of them", shard.of
+    )]
+    TooMany { shard: Shard, batches: usize },
+    #[error("no shards; name the files that `specval trace --shard` wrote")]
+    None,
+    #[error(
+        "{} and {}: expected each batch once, found {} in both (shards {} and {}); leave one of the two out",
+        paths[0].display(), paths[1].display(), numbers(batches), shards[0], shards[1]
+    )]
+    Doubled {
+        paths: [PathBuf; 2],
+        shards: [Shard; 2],
+        batches: Range<usize>,
+    },
+    #[error("expected shards that hold all {of} batches, missing: {}; make and name them too", missing.join(", "))]
+    Missing { missing: Vec<String>, of: usize },
+}
+
+impl Shard {
+    pub fn new(number: u32, of: u32) -> Result<Self, ShardError> {
+        if number == 0 || number > of {
+            let found = format!("{number}/{of}");
+            return Err(ShardError::Name { found });
+        }
+        Ok(Self { number, of })
+    }
+
+    /// Its part of the study's batches: from ⌊(K−1)B/N⌋ up to ⌊KB/N⌋. The shards of one N hold each batch once.
+    pub fn batches(&self, of_study: usize) -> Result<Range<usize>, ShardError> {
+        if self.of as usize > of_study {
+            return Err(ShardError::TooMany {
+                shard: *self,
+                batches: of_study,
+            });
+        }
+        // Both factors have 32 bits: the study's batches are a u32 too.
+        let edge = |number: u32| (u64::from(number) * of_study as u64 / u64::from(self.of)) as usize;
+        Ok(edge(self.number - 1)..edge(self.number))
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = ShardError;
+
+    fn from_str(text: &str) -> Result<Self, ShardError> {
+        let name = || ShardError::Name { found: text.to_owned() };
+        let (number, of) = text.split_once('/').ok_or_else(name)?;
+        Self::new(number.parse().map_err(|_| name())?, of.parse().map_err(|_| name())?).map_err(|_| name())
+    }
+}
+
+/// "batch 3" or "batches 3 to 5", from 0.
+fn numbers(batches: &Range<usize>) -> String {
+    match batches.len() {
+        1 => format!("batch {}", batches.start),
+        _ => format!("batches {} to {}", batches.start, batches.end - 1),
+    }
+}
+
+/// Traces the batches of one shard into its file, each by itself, so that a merge can add them as a single run does. Holds
+/// one batch at a time. Returns the ledger of these batches.
+pub fn trace_shard(
+    tracer: &YarnTracer,
+    shard: Shard,
+    path: &Path,
+    progress: Progress,
+) -> Result<Vec<EnergyRow>, RunError> {
+    let layout = tracer.layout();
+    let batches = shard.batches(layout.batches())?;
+    let arrays: Vec<_> = batches.clone().flat_map(|batch| batch_arrays(&layout, batch)).collect();
+    let header = serde_json::json!({ "shard": shard.to_string(), "axes": layout.axes });
+    let mut file = Writer::create(path, Kind::Shard, &layout.identity()?, &header, &arrays)?;
+    let mut ledgers = Vec::with_capacity(batches.len());
+    for batch in batches.clone() {
+        let made = tracer.batch(batch)?;
+        append_batch(&mut file, batch, &made)?;
+        ledgers.push(made.ledgers);
+        progress(1.0 / batches.len() as f64);
+    }
+    file.finish()?;
+    Ok(energy_rows(&layout.axes.wavelength_nm, &layout.incident, &ledgers))
+}
+
+/// A shard's file, found sound.
+struct ShardFile {
+    path: PathBuf,
+    shard: Shard,
+    batches: Range<usize>,
+    file: Reader,
+}
+
+/// Adds shards, in whatever order they are named, to what one run would have written, bit for bit. Reads each file for its
+/// checksum first and its batches one by one then; never writes to them.
+pub fn merge_shards(paths: &[PathBuf], progress: Progress) -> Result<YarnArtefact, RunError> {
+    let mut layout: Option<YarnLayout> = None;
+    let mut shards = Vec::with_capacity(paths.len());
+    let step = 0.5 / paths.len() as f64;
+    for path in paths {
+        let file = Reader::open(path, Kind::Shard)?;
+        let read = match &layout {
+            Some(layout) => {
+                file.expect(&layout.identity()?)?;
+                YarnLayout::read(path, Kind::Shard, &file)?
+            }
+            None => layout.insert(YarnLayout::read(path, Kind::Shard, &file)?).clone(),
+        };
+        if Some(&read) != layout.as_ref() {
+            return Err(damaged(path, Kind::Shard, "other axes than its study has".into()));
+        }
+        let name: String = parse(path, Kind::Shard, "header.shard", &file.header()["shard"])?;
+        let shard: Shard = name
+            .parse()
+            .map_err(|e: ShardError| damaged(path, Kind::Shard, e.to_string()))?;
+        shards.push(ShardFile {
+            path: path.clone(),
+            batches: shard.batches(read.batches())?,
+            shard,
+            file,
+        });
+        progress(step);
+    }
+    let layout = layout.ok_or(ShardError::None)?;
+    shards.sort_by_key(|shard| (shard.batches.start, shard.batches.end));
+    check_set(&shards, layout.batches())?;
+    let mut sums = YarnSums::new(&layout);
+    for shard in &mut shards {
+        for batch in shard.batches.clone() {
+            sums.add(read_batch(&mut shard.file, &layout, batch)?);
+        }
+        progress(step);
+    }
+    Ok(YarnArtefact::new(layout, sums))
+}
+
+/// Whether shards, sorted by their first batch, hold each of the study's batches once.
+fn check_set(shards: &[ShardFile], batches: usize) -> Result<(), ShardError> {
+    for pair in shards.windows(2) {
+        let [a, b] = pair else { continue };
+        if b.batches.start < a.batches.end {
+            return Err(ShardError::Doubled {
+                paths: [a.path.clone(), b.path.clone()],
+                shards: [a.shard, b.shard],
+                batches: b.batches.start..a.batches.end.min(b.batches.end),
+            });
+        }
+    }
+    let starts = shards.iter().map(|shard| shard.batches.start).chain([batches]);
+    let ends = [0].into_iter().chain(shards.iter().map(|shard| shard.batches.end));
+    let gaps: Vec<Range<usize>> = std::iter::zip(ends, starts)
+        .filter(|(end, start)| end < start)
+        .map(|(end, start)| end..start)
+        .collect();
+    if gaps.is_empty() {
+        return Ok(());
+    }
+    let counts: BTreeSet<u32> = shards.iter().map(|shard| shard.shard.of).collect();
+    let missing = gaps
+        .iter()
+        .map(|gap| {
+            let shards = counts.iter().find_map(|&of| shards_of(gap, of, batches));
+            match shards {
+                Some(shards) => format!("{shards} ({})", numbers(gap)),
+                None => numbers(gap),
+            }
+        })
+        .collect();
+    Err(ShardError::Missing { missing, of: batches })
+}
+
+/// The shards of N that hold just these batches, in words; none where no whole shards do.
+fn shards_of(gap: &Range<usize>, of: u32, batches: usize) -> Option<String> {
+    let within: Vec<(Shard, Range<usize>)> = (1..=of)
+        .filter_map(|number| {
+            let shard = Shard { number, of };
+            let here = shard.batches(batches).ok()?;
+            (here.start >= gap.start && here.end <= gap.end).then_some((shard, here))
+        })
+        .collect();
+    let (first, last) = (within.first()?, within.last()?);
+    if first.1.start != gap.start || last.1.end != gap.end {
+        return None;
+    }
+    Some(match within.len() {
+        1 => format!("shard {}", first.0),
+        _ => format!("shards {} to {}", first.0, last.0),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_hold_each_batch_once() {
+        for batches in [1, 2, 7, 16, 100_000] {
+            for of in [1, 2, 3, 7, 16].into_iter().filter(|&of| of as usize <= batches) {
+                let mut end = 0;
+                for number in 1..=of {
+                    let here = Shard::new(number, of).unwrap().batches(batches).unwrap();
+                    assert!(
+                        here.start == end && !here.is_empty(),
+                        "{number}/{of} of {batches}: {here:?}"
+                    );
+                    end = here.end;
+                }
+                assert_eq!(end, batches);
+            }
+        }
+        assert_eq!("2/3".parse::<Shard>().unwrap().batches(16).unwrap(), 5..10);
+        assert!("4/17".parse::<Shard>().unwrap().batches(16).is_err());
+    }
+
+    #[test]
+    fn names_are_told_from_noise() {
+        for wrong in [
+            "",
+            "3",
+            "0/3",
+            "4/3",
+            "1/0",
+            "-1/3",
+            "1/3/5",
+            "a/b",
+            "1.5/3",
+            "1/99999999999",
+        ] {
+            let error = wrong.parse::<Shard>().unwrap_err().to_string();
+            assert!(
+                error.contains(&format!("{wrong:?}")) && error.contains("K/N"),
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn gaps_are_named_as_shards_where_they_are() {
+        assert_eq!(shards_of(&(5..10), 3, 16).unwrap(), "shard 2/3");
+        assert_eq!(shards_of(&(0..10), 3, 16).unwrap(), "shards 1/3 to 2/3");
+        assert_eq!(shards_of(&(5..11), 3, 16), None);
+    }
+}
