@@ -15,6 +15,7 @@ fn main() -> ExitCode {
         Command::Mie(arguments) => cli::mie::run(&arguments, &terminal),
         Command::Medium(arguments) => cli::medium::run(&arguments, &options, &terminal),
         Command::Trace(arguments) => cli::trace::run(&arguments, &options, &terminal),
+        Command::Reabsorb(arguments) => cli::reabsorb::run(&arguments, &options, &terminal),
         Command::Merge(arguments) => cli::merge::run(&arguments, &terminal),
         Command::Measure(arguments) => cli::measure::run(&arguments, &options, &terminal),
         Command::Validate(arguments) => cli::validate::run(&arguments, &options, &terminal),

@@ -17,6 +17,7 @@ pub struct Reader {
     head: Head,
     /// Where the arrays begin, bytes from the file's beginning.
     start: u64,
+    checksum: [u8; CHECKSUM],
 }
 
 impl Reader {
@@ -74,6 +75,7 @@ impl Reader {
             kind,
             head,
             start,
+            checksum,
         })
     }
 
@@ -84,6 +86,11 @@ impl Reader {
     /// Version of the program that wrote the file.
     pub fn version(&self) -> &str {
         &self.head.version
+    }
+
+    /// SHA-256 of all of the file before that checksum, in hexadecimal.
+    pub fn sha256(&self) -> String {
+        self.checksum.iter().map(|byte| format!("{byte:02x}")).collect()
     }
 
     pub fn identity(&self) -> &Identity {

@@ -8,6 +8,7 @@ pub mod measure;
 pub mod medium;
 pub mod merge;
 pub mod mie;
+pub mod reabsorb;
 pub mod report;
 mod stopping;
 mod study;
@@ -43,6 +44,8 @@ pub enum Command {
     Medium(medium::Arguments),
     /// Monte Carlo of the yarn: energy ledger, BSSRDF, radiance factor.
     Trace(trace::Arguments),
+    /// Another dye, kappa or host absorption for a finished trace, without tracing.
+    Reabsorb(reabsorb::Arguments),
     /// Add the shards of a trace: the same file as one run.
     Merge(merge::Arguments),
     /// Brightness factors of the woven model on the virtual rig.

@@ -5,6 +5,7 @@ mod batches;
 mod camera;
 mod curves;
 mod plan;
+mod reabsorb;
 mod report;
 mod simulate;
 mod state;
@@ -13,13 +14,14 @@ mod trace;
 mod watch;
 
 pub use artefact::{
-    LengthTable, MediumValues, Shard, ShardError, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings,
+    LengthTable, MediumValues, Shard, ShardError, Systematic, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings,
     merge_shards, trace_shard,
 };
 pub use batches::{Gather, Outcome, Schedule, gather};
 pub use camera::CameraBatch;
 pub use curves::SpectralCurves;
 pub use plan::{Plan, RunError, medium};
+pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};
 pub use report::{report, report_geometries};
 pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};
 pub use state::{StateFile, remove_state};

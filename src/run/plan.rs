@@ -49,6 +49,13 @@ pub enum RunError {
     Report(#[from] ReportError),
     #[error(transparent)]
     Artefact(#[from] ArtefactError),
+    /// A change of absorption that cannot be made.
+    #[error("re-absorption: expected {expected}, found {found}; {remedy}")]
+    Reabsorption {
+        expected: &'static str,
+        found: String,
+        remedy: &'static str,
+    },
     #[error(transparent)]
     Shard(#[from] ShardError),
     #[error(

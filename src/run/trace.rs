@@ -8,9 +8,6 @@ use crate::yarn::{
 };
 use std::path::Path;
 
-/// Bins of path length; the last begins at 16 radii.
-const LENGTH_BINS: usize = 6;
-
 /// Everything one batch of tracing tells about the yarn alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct YarnBatch {
@@ -43,7 +40,7 @@ impl<'a> YarnTracer<'a> {
         Ok(Self {
             plan,
             grid: plan.bssrdf_grid()?,
-            lengths: LengthBins::new(plan.yarn.cylinder.radius_mm(), LENGTH_BINS)?,
+            lengths: LengthBins::new(plan.yarn.cylinder.radius_mm(), LengthBins::DEFAULT)?,
         })
     }
 

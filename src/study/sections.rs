@@ -139,7 +139,7 @@ pub struct TraceSection {
 impl Default for TraceSection {
     fn default() -> Self {
         Self {
-            estimator: EstimatorChoice::Independent,
+            estimator: EstimatorChoice::Shared,
             batches: 16,
             paths_bssrdf: 20_000,
             paths_direct: 200_000,

@@ -114,6 +114,11 @@ impl<S: Shape> Walk<'_, S> {
         entry: impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
         sink: impl FnMut(&Exit<'_, T>),
     ) -> Vec<Ledger> {
+        let (mut entry, mut sink) = (entry, sink);
+        let ends: Ends<'_, T> = Ends {
+            entry: &mut entry,
+            sink: &mut sink,
+        };
         #[cfg(target_arch = "x86_64")]
         {
             if is_x86_feature_detected!("avx512f")
@@ -123,50 +128,32 @@ impl<S: Shape> Walk<'_, S> {
             {
                 // SAFETY: the processor has just been found to have every feature the function is compiled for, the only
                 // thing asked of its caller; the function itself is safe code.
-                return unsafe { self.trace_avx512(stream, paths, entry, sink) };
+                return unsafe { self.trace_avx512(stream, paths, ends) };
             }
             if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                 // SAFETY: as above.
-                return unsafe { self.trace_avx2(stream, paths, entry, sink) };
+                return unsafe { self.trace_avx2(stream, paths, ends) };
             }
         }
-        self.trace_lanes(stream, paths, entry, sink)
+        self.trace_lanes(stream, paths, ends)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
-    fn trace_avx512<T: Copy>(
-        &self,
-        stream: Xoshiro256PlusPlus,
-        paths: usize,
-        entry: impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
-        sink: impl FnMut(&Exit<'_, T>),
-    ) -> Vec<Ledger> {
-        self.trace_lanes(stream, paths, entry, sink)
+    fn trace_avx512<T: Copy>(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_, T>) -> Vec<Ledger> {
+        self.trace_lanes(stream, paths, ends)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
-    fn trace_avx2<T: Copy>(
-        &self,
-        stream: Xoshiro256PlusPlus,
-        paths: usize,
-        entry: impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
-        sink: impl FnMut(&Exit<'_, T>),
-    ) -> Vec<Ledger> {
-        self.trace_lanes(stream, paths, entry, sink)
+    fn trace_avx2<T: Copy>(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_, T>) -> Vec<Ledger> {
+        self.trace_lanes(stream, paths, ends)
     }
 
     /// Compiled once for each instruction set, always to the same bits: nothing is contracted or reordered.
     #[inline(always)]
-    fn trace_lanes<T: Copy>(
-        &self,
-        stream: Xoshiro256PlusPlus,
-        paths: usize,
-        entry: impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
-        sink: impl FnMut(&Exit<'_, T>),
-    ) -> Vec<Ledger> {
-        let mut state = State::new(self, stream, paths, entry, sink);
+    fn trace_lanes<T: Copy>(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_, T>) -> Vec<Ledger> {
+        let mut state = State::new(self, stream, paths, ends);
         let mut step = Step::default();
         while state.refill() {
             state.flights.fly(self.shape, 1.0 / self.interior.index(), &mut step);
@@ -177,11 +164,16 @@ impl<S: Shape> Walk<'_, S> {
     }
 }
 
+/// Where paths come from and where their exits go. Not generic, so that the kernel is compiled once for all tallies.
+struct Ends<'a, T> {
+    entry: &'a mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
+    sink: &'a mut dyn FnMut(&Exit<'_, T>),
+}
+
 /// The paths under way.
-struct State<'a, S, T, E, K> {
+struct State<'a, 'e, S, T> {
     walk: &'a Walk<'a, S>,
-    entry: E,
-    sink: K,
+    ends: Ends<'e, T>,
     entrance: Entrance<T>,
     /// Heroes take turns.
     next_hero: usize,
@@ -205,20 +197,13 @@ struct State<'a, S, T, E, K> {
     tag: [Option<T>; LANES],
 }
 
-impl<'a, S, T, E, K> State<'a, S, T, E, K>
-where
-    S: Shape,
-    T: Copy,
-    E: FnMut(&[f64; ENTRY_COORDINATES]) -> Entry<T>,
-    K: FnMut(&Exit<'_, T>),
-{
-    fn new(walk: &'a Walk<'a, S>, mut stream: Xoshiro256PlusPlus, paths: usize, entry: E, sink: K) -> Self {
+impl<'a, 'e, S: Shape, T: Copy> State<'a, 'e, S, T> {
+    fn new(walk: &'a Walk<'a, S>, mut stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'e, T>) -> Self {
         let lanes = LaneStream::open(&mut stream);
         let next_hero = (stream.next_u64() % walk.interior.wavelengths() as u64) as usize;
         Self {
             walk,
-            entry,
-            sink,
+            ends,
             entrance: Entrance::new(stream, paths),
             flights: Flights::new(lanes),
             next_hero,
@@ -245,7 +230,7 @@ where
         for &lane in &idle[..count] {
             while !self.active[lane] {
                 let (shape, index) = (self.walk.shape, self.walk.interior.index());
-                let place = self.entrance.next(shape, index, &mut self.entry);
+                let place = self.entrance.next(shape, index, &mut self.ends.entry);
                 match place {
                     Some(place) => self.begin(lane, place),
                     None => break,
@@ -283,7 +268,7 @@ where
             .spectral
             .begin(interior, lane, hero, entering, transmittance, chord_mm);
         if transmittance > 0.0 {
-            (self.sink)(&Exit {
+            (self.ends.sink)(&Exit {
                 position: vector(&of.far_position, place),
                 normal: vector(&of.far_normal, place),
                 direction: vector(&of.far_direction, place),
@@ -395,7 +380,7 @@ where
             step.cos_t[lane],
             self.walk.interior.index(),
         );
-        (self.sink)(&Exit {
+        (self.ends.sink)(&Exit {
             position: vector(&self.flights.position, lane),
             normal,
             direction: outside.into(),

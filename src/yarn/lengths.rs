@@ -1,14 +1,21 @@
 use super::YarnError;
 use crate::transport::Estimate;
 
-/// Bins of the length of a path inside the yarn. The first reaches to the radius, each next one twice as far, the last has
-/// no end.
+/// Upper edges of the first bins in radii; further ones double. Light of a dyed yarn leaves within 4 R, and its lengths
+/// pile up below 2 R and 4 R, the yarn's diameter and twice that: even steps there cost re-absorption a quarter of the
+/// error that doubled ones do (0.2 % instead of 0.8 % of f* for κ_0 0.0065 → 0.004 in the dye's band).
+const EDGES_IN_RADII: [f64; 7] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 8.0];
+
+/// Bins of the length of a path inside the yarn; the last has no end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LengthBins {
     edges_mm: Vec<f64>,
 }
 
 impl LengthBins {
+    /// As many as re-absorption needs at the default study.
+    pub const DEFAULT: usize = EDGES_IN_RADII.len() + 1;
+
     pub fn new(radius_mm: f64, bins: usize) -> Result<Self, YarnError> {
         if bins < 2 {
             return Err(YarnError::Count {
@@ -17,9 +24,28 @@ impl LengthBins {
                 found: bins,
             });
         }
+        let last = EDGES_IN_RADII.len() - 1;
+        let doubled = (1..).map(|k| EDGES_IN_RADII[last] * 2f64.powi(k));
+        let edges = EDGES_IN_RADII.into_iter().chain(doubled).take(bins - 1);
         Ok(Self {
-            edges_mm: (0..bins as i32 - 1).map(|k| radius_mm * 2f64.powi(k)).collect(),
+            edges_mm: edges.map(|edge| radius_mm * edge).collect(),
         })
+    }
+
+    /// Bins of a file: the upper edge of every bin but the last, mm.
+    ///
+    /// # Errors
+    /// Edges that do not ascend from above 0.
+    pub fn from_edges(edges_mm: Vec<f64>) -> Result<Self, YarnError> {
+        if !edges_mm.is_sorted_by(|a, b| a < b) || edges_mm.first().is_none_or(|&first| first.is_nan() || first <= 0.0)
+        {
+            return Err(YarnError::Reabsorption {
+                quantity: "edges of the path length bins in mm",
+                expected: "ascending ones above 0".into(),
+                found: format!("{edges_mm:?}"),
+            });
+        }
+        Ok(Self { edges_mm })
     }
 
     /// Upper edge of every bin but the last, mm.
@@ -78,5 +104,21 @@ impl LengthSums {
     /// Mean amount of value i and its standard error, 0 for one batch.
     pub fn estimate(&self, i: usize) -> Estimate {
         Estimate::from_sums(self.batches, self.amount[i].into(), self.square[i].into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_length_falls_between_the_edges_of_its_bin() {
+        let bins = LengthBins::new(0.15, LengthBins::DEFAULT + 2).unwrap();
+        assert!(bins.edges_mm().is_sorted() && bins.bins() == 10);
+        assert_eq!(bins.edges_mm()[8], 32.0 * 0.15);
+        for (bin, edge) in bins.edges_mm().iter().enumerate() {
+            assert_eq!([bins.bin(0.999 * edge), bins.bin(*edge)], [bin, bin + 1]);
+        }
+        assert!(LengthBins::new(0.15, 1).is_err());
     }
 }

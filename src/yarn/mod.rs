@@ -6,6 +6,7 @@ mod directions;
 mod energy;
 mod lengths;
 mod radiance_factor;
+mod reabsorption;
 
 pub use bssrdf::{BssrdfBatch, BssrdfGrid, PatchTracer};
 pub use direct::{DirectBatch, DirectTracer};
@@ -13,6 +14,7 @@ pub use directions::IncidentGrid;
 pub use energy::{EnergyBatch, EnergyTracer};
 pub use lengths::{LengthBins, LengthSums, LengthTally};
 pub use radiance_factor::{FactorWeights, RadianceFactorGrid, WeightTally};
+pub use reabsorption::{ByLength, Change, Reabsorption, Reweighted, Support};
 
 use crate::geometry::{HemisphereGrid, Sectors};
 use crate::optics::Medium;
@@ -28,6 +30,13 @@ pub enum YarnError {
         quantity: &'static str,
         expected: &'static str,
         found: usize,
+    },
+    /// What was traced does not carry the change of absorption; what differs too much must be traced.
+    #[error("re-absorption: {quantity}: expected {expected}, found {found}; trace the new medium instead")]
+    Reabsorption {
+        quantity: &'static str,
+        expected: String,
+        found: String,
     },
 }
 

@@ -1,7 +1,7 @@
 use crate::artefact::{ArrayInfo, ArtefactError, ElementType, Identity, Kind, Reader};
 use crate::report::InputDigest;
 use crate::run::plan::{bssrdf_surface, factor_grid, incident_grid};
-use crate::run::{Plan, RunError};
+use crate::run::{Plan, Reabsorbed, RunError};
 use crate::study::Study;
 use crate::yarn::{BssrdfGrid, IncidentGrid, LengthBins, RadianceFactorGrid};
 use serde::{Deserialize, Serialize};
@@ -18,6 +18,9 @@ pub struct YarnSettings {
     /// the study, whose keys are told first where two files differ.
     #[serde(rename = "traced_medium")]
     pub medium: MediumValues,
+    /// Changes of absorption since, first to last.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reabsorbed: Vec<Reabsorbed>,
 }
 
 /// The yarn's medium as it was traced, a value for each wavelength.
@@ -70,6 +73,7 @@ impl YarnLayout {
                     mu_s_per_mm: medium.mu_s_per_mm().to_vec(),
                     mu_a_per_mm: medium.mu_a_per_mm().to_vec(),
                 },
+                reabsorbed: Vec::new(),
             },
             axes: YarnAxes {
                 wavelength_nm: plan.grid.nm().to_vec(),
@@ -163,6 +167,15 @@ impl YarnLayout {
                 grid.surface().exit().cells(),
                 self.wavelengths(),
             ],
+        }
+    }
+
+    /// Systematic errors of the ledger: traced direction × wavelength × (ballistic, scattered).
+    pub(super) fn energy_systematic(&self) -> Array {
+        Array {
+            unit: "fraction of the incident flux",
+            axes: "traced direction, wavelength; ballistic, scattered",
+            shape: vec![self.incident.traced(), self.wavelengths(), 2],
         }
     }
 

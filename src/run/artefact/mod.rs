@@ -73,12 +73,24 @@ pub struct YarnArtefact {
     pub energy_by_length: Table,
     /// f* of the direct simulation, 1/sr: cell × wavelength.
     pub direct: Table,
-    /// f* as the sum of the BSSRDF, 1/sr: cell × wavelength.
-    pub summed: Table,
-    /// BSSRDF as fractions of the flux incident on the patch, axes as [`crate::yarn::BssrdfGrid`] says.
-    pub bssrdf: Table,
+    /// f* as the sum of the BSSRDF, 1/sr: cell × wavelength. Not there after a change of absorption, for which path lengths of
+    /// every cell would be needed.
+    pub summed: Option<Table>,
+    /// BSSRDF as fractions of the flux incident on the patch, axes as [`crate::yarn::BssrdfGrid`] says. The same holds.
+    pub bssrdf: Option<Table>,
     /// f* of the direct simulation by path length.
     pub by_length: LengthTable,
+    /// After a change of absorption only.
+    pub systematic: Option<Systematic>,
+}
+
+/// What a change of absorption adds to the standard errors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Systematic {
+    /// Of f*, 1/sr: cell × wavelength.
+    pub direct: Vec<f32>,
+    /// Of the ledger: traced direction × wavelength × (ballistic, scattered). Absorbed light has the sum of both.
+    pub energy: Vec<f32>,
 }
 
 impl YarnArtefact {
@@ -90,9 +102,10 @@ impl YarnArtefact {
             layout,
             energy_by_length: sums.energy_by_length.into(),
             direct: sums.direct.into(),
-            summed: sums.summed.into(),
-            bssrdf: sums.bssrdf.into(),
+            summed: Some(sums.summed.into()),
+            bssrdf: Some(sums.bssrdf.into()),
             by_length: sums.by_length.into(),
+            systematic: None,
         }
     }
 
@@ -113,6 +126,11 @@ impl YarnArtefact {
         arrays.push(amount.info("radiance_factor_by_length", ElementType::F32));
         arrays.push(amount.info("radiance_factor_by_length_se", ElementType::F32));
         arrays.push(moment.info("radiance_factor_by_length_moment", ElementType::F32));
+        if self.systematic.is_some() {
+            let array = layout.factor();
+            arrays.push(array.info("radiance_factor_direct_systematic", ElementType::F32));
+            arrays.push(layout.energy_systematic().info("energy_systematic", ElementType::F32));
+        }
         let header = serde_json::json!({ "batches": self.batches, "axes": layout.axes });
         let mut file = Writer::create(path, Kind::Artefact, &layout.identity()?, &header, &arrays)?;
         file.append("energy", self.energy.iter().flat_map(|row| fractions(row).map(|f| f.0)))?;
@@ -128,11 +146,20 @@ impl YarnArtefact {
         file.append("radiance_factor_by_length", lengths.mean.iter().copied())?;
         file.append("radiance_factor_by_length_se", lengths.se.iter().copied())?;
         file.append("radiance_factor_by_length_moment", lengths.moment_mm.iter().copied())?;
+        if let Some(systematic) = &self.systematic {
+            file.append("radiance_factor_direct_systematic", systematic.direct.iter().copied())?;
+            file.append("energy_systematic", systematic.energy.iter().copied())?;
+        }
         Ok(file.finish()?)
     }
 
     /// Reads a file back, bit for bit.
     pub fn read(path: &Path) -> Result<Self, RunError> {
+        Ok(Self::read_with_digest(path)?.0)
+    }
+
+    /// The same with the file's SHA-256 in hexadecimal.
+    pub fn read_with_digest(path: &Path) -> Result<(Self, String), RunError> {
         let mut file = Reader::open(path, Kind::Artefact)?;
         let layout = YarnLayout::read(path, Kind::Artefact, &file)?;
         let batches = parse(path, Kind::Artefact, "header.batches", &file.header()["batches"])?;
@@ -150,10 +177,23 @@ impl YarnArtefact {
         };
         let energy_by_length = table("energy_by_length", layout.energy_by_length())?;
         let direct = table("radiance_factor_direct", layout.factor())?;
-        let summed = table("radiance_factor_bssrdf", layout.factor())?;
-        let bssrdf = table("bssrdf_fraction", layout.bssrdf())?;
+        let traced = layout.settings.reabsorbed.is_empty();
+        let [summed, bssrdf] = if traced {
+            let summed = table("radiance_factor_bssrdf", layout.factor())?;
+            [Some(summed), Some(table("bssrdf_fraction", layout.bssrdf())?)]
+        } else {
+            [None, None]
+        };
+        let systematic = if traced {
+            None
+        } else {
+            Some(Systematic {
+                direct: file.array("radiance_factor_direct_systematic", &layout.factor().shape)?,
+                energy: file.array("energy_systematic", &layout.energy_systematic().shape)?,
+            })
+        };
         let [amount, moment] = layout.factor_by_length();
-        Ok(Self {
+        let artefact = Self {
             batches,
             energy,
             energy_by_length,
@@ -165,19 +205,29 @@ impl YarnArtefact {
                 se: file.array("radiance_factor_by_length_se", &amount.shape)?,
                 moment_mm: file.array("radiance_factor_by_length_moment", &moment.shape)?,
             },
+            systematic,
             layout,
-        })
+        };
+        Ok((artefact, file.sha256()))
     }
 
     /// Tables of double precision in the file's order.
-    fn tables(&self) -> [(&'static str, Array, &Table); 4] {
+    fn tables(&self) -> Vec<(&'static str, Array, &Table)> {
         let layout = &self.layout;
-        [
-            ("energy_by_length", layout.energy_by_length(), &self.energy_by_length),
-            ("radiance_factor_direct", layout.factor(), &self.direct),
-            ("radiance_factor_bssrdf", layout.factor(), &self.summed),
-            ("bssrdf_fraction", layout.bssrdf(), &self.bssrdf),
-        ]
+        let tables = [
+            (
+                "energy_by_length",
+                layout.energy_by_length(),
+                Some(&self.energy_by_length),
+            ),
+            ("radiance_factor_direct", layout.factor(), Some(&self.direct)),
+            ("radiance_factor_bssrdf", layout.factor(), self.summed.as_ref()),
+            ("bssrdf_fraction", layout.bssrdf(), self.bssrdf.as_ref()),
+        ];
+        let there = tables.into_iter();
+        there
+            .filter_map(|(name, array, table)| Some((name, array, table?)))
+            .collect()
     }
 }
 

@@ -1,0 +1,260 @@
+use super::{Plan, RunError, Systematic, YarnArtefact};
+use crate::report::EnergyRow;
+use crate::study::{MediumSection, Study};
+use crate::yarn::{ByLength, LengthBins, Reabsorption, Reweighted, Support};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// One change of absorption of an artefact: part of the identity of what came of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reabsorbed {
+    /// SHA-256 of the file that it was made from, without that checksum itself.
+    pub source_sha256: String,
+    /// The medium of that file.
+    pub from: MediumSection,
+    /// Least and greatest change of the absorption coefficient over the wavelengths, 1/mm.
+    pub mu_a_change_per_mm: [f64; 2],
+    /// Least and greatest change of the scattering coefficient that came with it, relative.
+    pub mu_s_change: [f64; 2],
+    pub notices: Vec<Notice>,
+}
+
+/// Something about a changed artefact that its user should know.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Notice {
+    pub kind: NoticeKind,
+    /// The wavelength where it is worst.
+    pub wavelength_nm: f64,
+    /// How bad it is there; see the kind.
+    pub value: f64,
+    /// Part of the light of f* there that is concerned.
+    pub share_of_light: f64,
+    /// Wavelengths where it is worth a notice.
+    pub wavelengths: usize,
+}
+
+/// What a notice is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoticeKind {
+    /// Few of the paths still count: below 10 % of them in cells with 5 % of the light or more. Value: the mean share of paths
+    /// that counts.
+    FewPathsCount,
+    /// The systematic error of the bins exceeds the statistical one, and 1 %, in cells with 5 % of the light or more. Value:
+    /// the relative systematic error of all light.
+    BinsTooWide,
+    /// Less absorption brings light into the last bin, whose lengths have no end: 1 % of the light or more, and the change
+    /// takes place over half a mean length there. Value: that ratio.
+    OpenBin,
+    /// κ changed μ_s by more than 2 %. Value: the relative change.
+    Scattering,
+}
+
+const LEAST_SHARE: f64 = 0.05;
+const LEAST_OPEN_SHARE: f64 = 0.01;
+const OPEN_GROWTH: f64 = 0.5;
+const SCATTERING_CHANGE: f64 = 0.02;
+
+impl NoticeKind {
+    /// Whether it is due at a wavelength, its value, and the part of the light concerned.
+    fn judge(self, support: &Support, scattering: f64) -> Option<(f64, f64)> {
+        let (due, value, share) = match self {
+            Self::FewPathsCount => (
+                support.unsupported >= LEAST_SHARE,
+                support.effective_share,
+                support.unsupported,
+            ),
+            Self::BinsTooWide => (
+                support.systematic_rules >= LEAST_SHARE,
+                support.systematic,
+                support.systematic_rules,
+            ),
+            Self::OpenBin => (
+                support.open_bin >= LEAST_OPEN_SHARE && support.open_bin_growth >= OPEN_GROWTH,
+                support.open_bin_growth,
+                support.open_bin,
+            ),
+            Self::Scattering => (scattering.abs() > SCATTERING_CHANGE, scattering, 1.0),
+        };
+        due.then_some((value, share))
+    }
+}
+
+impl fmt::Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (nm, share) = (self.wavelength_nm, 100.0 * self.share_of_light);
+        match self.kind {
+            NoticeKind::FewPathsCount => write!(
+                f,
+                "few of the paths still count: {:.1} % at {nm} nm, where cells with {share:.0} % of the light are left with less than 10 %",
+                100.0 * self.value
+            ),
+            NoticeKind::BinsTooWide => write!(
+                f,
+                "the bins of path length are too wide for the change: systematic error {:.1} % at {nm} nm, more than the statistical \
+                 one for {share:.0} % of the light",
+                100.0 * self.value
+            ),
+            NoticeKind::OpenBin => write!(
+                f,
+                "light comes back from paths longer than the bins reach: {share:.0} % of it at {nm} nm, with a change over {:.2} mean \
+                 lengths",
+                self.value
+            ),
+            NoticeKind::Scattering => write!(
+                f,
+                "the dye changes scattering too: mu_s by {:+.1} % at {nm} nm, right for the first scattering only",
+                100.0 * self.value
+            ),
+        }?;
+        if self.wavelengths > 1 {
+            write!(f, " (the worst of {} wavelengths)", self.wavelengths)?;
+        }
+        write!(f, "; trace the new medium to be sure")
+    }
+}
+
+/// The artefact with the absorption of another medium, without tracing. `source_sha256` is the digest to record.
+///
+/// f* of the direct simulation and the ledger are re-weighted along their path lengths, and so are those, for a further
+/// change. Reflected light and roulette stay as they were; absorbed light takes what closes the ledger. The BSSRDF and the f* summed from
+/// it have no path lengths and are left out.
+///
+/// # Errors
+/// A study or input files that are no longer those of the artefact, the same medium, one that [`Reabsorption::new`] refuses.
+pub fn reabsorb(
+    mut artefact: YarnArtefact,
+    source_sha256: String,
+    medium: MediumSection,
+) -> Result<YarnArtefact, RunError> {
+    let settings = &artefact.layout.settings;
+    if medium == settings.study.medium {
+        return Err(RunError::Reabsorption {
+            expected: "a medium that absorbs otherwise",
+            found: "the artefact's own".into(),
+            remedy: "give another kappa_peak, dye or host_mu_a_per_mm",
+        });
+    }
+    let traced = Plan::new(settings.study.clone())?;
+    let known = &settings.medium;
+    if traced.inputs != settings.inputs
+        || !agree(traced.yarn.medium.mu_a_per_mm(), &known.mu_a_per_mm)
+        || !agree(traced.yarn.medium.mu_s_per_mm(), &known.mu_s_per_mm)
+    {
+        return Err(RunError::Reabsorption {
+            expected: "the dye, tables and sample that the artefact was made with",
+            found: "files of other content in their places".into(),
+            remedy: "put them back as they were, or trace again",
+        });
+    }
+    let wanted = Plan::new(Study {
+        medium,
+        ..settings.study.clone()
+    })?;
+    let bins = LengthBins::from_edges(artefact.layout.axes.length_edges_mm.clone())?;
+    let change = Reabsorption::new(bins, &traced.yarn.medium, &wanted.yarn.medium)?;
+
+    let mut systematic = artefact.systematic.take().unwrap_or_else(|| Systematic {
+        direct: vec![0.0; artefact.direct.mean.len()],
+        energy: vec![0.0; 2 * artefact.layout.incident.traced() * artefact.layout.wavelengths()],
+    });
+    let by_length = &mut artefact.by_length;
+    let support = change.table(
+        &mut artefact.direct.mean,
+        &mut artefact.direct.se,
+        ByLength {
+            mean: &mut by_length.mean,
+            se: &mut by_length.se,
+            moment_mm: &mut by_length.moment_mm,
+        },
+        &mut systematic.direct,
+    )?;
+    let energy = change.energy(&mut artefact.energy_by_length.mean, &mut artefact.energy_by_length.se)?;
+    let wavelengths = artefact.layout.wavelengths();
+    let incident = artefact.layout.incident;
+    let mut light = vec![[0.0; 2]; energy.len()];
+    for (i, row) in artefact.energy.iter_mut().enumerate() {
+        let (wavelength, direction) = (i / incident.len(), i % incident.len());
+        let traced = incident.representative(direction).0 * wavelengths + wavelength;
+        change_row(row, &energy[traced]);
+        light[traced] = [row.ballistic, row.scattered];
+    }
+    for (i, error) in systematic.energy.iter_mut().enumerate() {
+        let of = &energy[i / 2][i % 2];
+        *error = (f64::from(*error) * of.ratio + of.systematic * light[i / 2][i % 2]) as f32;
+    }
+
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x), high.max(x)]
+        })
+    };
+    let changes = change.changes();
+    let record = Reabsorbed {
+        source_sha256,
+        from: traced.study.medium,
+        mu_a_change_per_mm: range(&mut changes.iter().map(|c| c.mu_a_per_mm)),
+        mu_s_change: range(&mut changes.iter().map(|c| c.scattering - 1.0)),
+        notices: notices(&change, &support),
+    };
+    let medium = &mut artefact.layout.settings.medium;
+    medium.mu_s_per_mm = wanted.yarn.medium.mu_s_per_mm().to_vec();
+    medium.mu_a_per_mm = wanted.yarn.medium.mu_a_per_mm().to_vec();
+    let settings = &mut artefact.layout.settings;
+    settings.study = wanted.study;
+    settings.inputs = wanted.inputs;
+    settings.reabsorbed.push(record);
+    artefact.summed = None;
+    artefact.bssrdf = None;
+    artefact.systematic = Some(systematic);
+    Ok(artefact)
+}
+
+/// Coefficients to the accuracy of another C library.
+fn agree(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && std::iter::zip(a, b).all(|(a, b)| (a - b).abs() <= 1e-9 * a.abs().max(b.abs()))
+}
+
+fn change_row(row: &mut EnergyRow, [ballistic, scattered]: &[Reweighted; 2]) {
+    let left = row.ballistic + row.scattered;
+    let error = row.ballistic_se.hypot(row.scattered_se);
+    row.ballistic *= ballistic.ratio;
+    row.ballistic_se *= ballistic.se_ratio;
+    row.scattered *= scattered.ratio;
+    row.scattered_se *= scattered.se_ratio;
+    // What no longer leaves was absorbed, and its error moves with that of what leaves.
+    row.absorbed += left - (row.ballistic + row.scattered);
+    if error > 0.0 {
+        row.absorbed_se *= row.ballistic_se.hypot(row.scattered_se) / error;
+    }
+}
+
+fn notices(change: &Reabsorption, support: &[Support]) -> Vec<Notice> {
+    let kinds = [
+        NoticeKind::FewPathsCount,
+        NoticeKind::BinsTooWide,
+        NoticeKind::OpenBin,
+        NoticeKind::Scattering,
+    ];
+    let of_kind = |kind: NoticeKind| {
+        let due: Vec<(f64, f64, f64)> = std::iter::zip(change.changes(), support)
+            .filter_map(|(at, support)| {
+                let (value, share) = kind.judge(support, at.scattering - 1.0)?;
+                Some((at.wavelength_nm, value, share))
+            })
+            .collect();
+        let severity = |(_, value, share): &(f64, f64, f64)| match kind {
+            NoticeKind::FewPathsCount => *share,
+            _ => value.abs(),
+        };
+        let worst = due.iter().max_by(|a, b| severity(a).total_cmp(&severity(b)))?;
+        Some(Notice {
+            kind,
+            wavelength_nm: worst.0,
+            value: worst.1,
+            share_of_light: worst.2,
+            wavelengths: due.len(),
+        })
+    };
+    kinds.into_iter().filter_map(of_kind).collect()
+}
