@@ -128,11 +128,7 @@ fn agree(times: u64) {
         let independent = yarn(medium, Estimator::Independent);
         let (own_paths, beams) = (80 * times, 200 * times);
         let five_paths = 5.0 / (own_paths * BATCHES as u64) as f64;
-<<<<<<< HEAD
-        let a = ledgers(&shared, 31, 1120 * times);
-=======
         let a = ledgers(&shared, 31, 4 * own_paths);
->>>>>>> main
         let b = ledgers(&independent, 32, own_paths);
         let of = |ledgers: &[Vec<Ledger>], each: fn(&Ledger) -> Vec<f64>| -> Vec<Vec<f64>> {
             ledgers
@@ -153,11 +149,7 @@ fn agree(times: u64) {
             let most = limit(values, BATCHES) * of.se + five_paths;
             assert!(of.value.abs() <= most, "{name}, ballistic {i}: {of:?}");
         }
-<<<<<<< HEAD
-        let a = histograms(&shared, 33, 1120 * times);
-=======
         let a = histograms(&shared, 33, 4 * beams);
->>>>>>> main
         let b = histograms(&independent, 34, beams);
         let joint = all_zero(&differences(&a, &b, KNOWN_TO));
         println!("{name}, f*: {joint}");
@@ -185,11 +177,7 @@ fn shared_and_independent_paths_agree_at_length() {
 fn shared_ledgers_close_in_the_mean() {
     for (name, medium) in media() {
         let white = medium.mu_a_per_mm().iter().all(|mu_a| *mu_a == 0.0);
-<<<<<<< HEAD
-        let batches = ledgers(&yarn(medium, Estimator::Shared), 35, 1120);
-=======
         let batches = ledgers(&yarn(medium, Estimator::Shared), 35, 1000);
->>>>>>> main
         let entries = batches[0].len();
         assert_eq!(entries, 35 * 6);
         let limit = limit(entries, BATCHES);
