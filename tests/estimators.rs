@@ -3,7 +3,7 @@
 //!
 //! Seeds are fixed; a stated false-alarm rate is that of new seeds. Wavelengths that share paths are almost one value, so
 //! a χ² of them has far fewer degrees of freedom than terms: its distribution comes from random signs of whole batches
-//! (`batches/mod.rs`), which keeps the correlation as it is.
+//! (`batch_statistics/mod.rs`), which keeps the correlation as it is.
 
 mod batch_statistics;
 
