@@ -72,16 +72,15 @@ impl Flights {
             &mut step.for_azimuth,
             &mut step.for_roulette,
         ] {
-            for i in 0..LANES {
-                numbers[i] = unit(self.stream.next(i));
+            for (i, number) in numbers.iter_mut().enumerate() {
+                *number = unit(self.stream.next(i));
             }
         }
-        for i in 0..LANES {
-            let random = self.preset[i] + self.drawn[i] * flight[i];
-            flight[i] = -ln(1.0 - random) * self.mean_free_path[i];
+        for (i, flight) in flight.iter_mut().enumerate() {
+            let random = self.preset[i] + self.drawn[i] * *flight;
+            *flight = -ln(1.0 - random) * self.mean_free_path[i];
         }
-        for i in 0..LANES {
-            let flight = flight[i];
+        for (i, &flight) in flight.iter().enumerate() {
             let p = [self.position[0][i], self.position[1][i], self.position[2][i]];
             let d = [self.direction[0][i], self.direction[1][i], self.direction[2][i]];
             let distance = shape.distance(p, d);
