@@ -14,7 +14,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 const ROUNDING: f64 = 1e-12;
 const DIRECTIONS: usize = 24;
 const BATCHES: usize = 50;
-const PATHS: usize = 40;
+const PATHS: usize = 20;
 
 fn phase() -> Phase {
     Phase::HenyeyGreenstein(HenyeyGreenstein::new(0.3).unwrap())
@@ -34,7 +34,7 @@ fn entry(position: Vec3, omega_in: Vec3) -> Entry {
 }
 
 /// Ledgers of single paths from the directions of a grid over the hemisphere: \[direction\]\[batch\]\[path\].
-fn single_paths<S: Shape>(walk: &Walk<'_, S>, position: Vec3) -> Vec<Vec<Vec<Ledger>>> {
+fn single_paths<S: Shape>(walk: &Walk<'_, S>, position: Vec3, batches: usize) -> Vec<Vec<Vec<Ledger>>> {
     let trace = |direction: usize, batch: usize| -> Vec<Ledger> {
         let zenith = ((direction % 6) as f64 + 0.5) / 6.0 * FRAC_PI_2;
         let azimuth = (direction / 6) as f64 / 4.0 * TAU + 0.1;
@@ -71,7 +71,7 @@ fn single_paths<S: Shape>(walk: &Walk<'_, S>, position: Vec3) -> Vec<Vec<Vec<Led
             .collect()
     };
     (0..DIRECTIONS)
-        .map(|direction| (0..BATCHES).map(|batch| trace(direction, batch)).collect())
+        .map(|direction| (0..batches).map(|batch| trace(direction, batch)).collect())
         .collect()
 }
 
@@ -90,6 +90,7 @@ fn white_furnace() {
             roulette,
         },
         cylinder.at(0.0),
+        BATCHES,
     );
     ledgers.extend(single_paths(
         &Walk {
@@ -98,6 +99,7 @@ fn white_furnace() {
             roulette,
         },
         Vec3::zeros(),
+        BATCHES,
     ));
     let entries = ledgers.len();
     let limit = StudentsT::new(0.0, 1.0, (BATCHES - 1) as f64)
@@ -137,7 +139,7 @@ fn absorbing_ledgers_close() {
             roulette: Roulette::default(),
         };
         let mut absorbed = 0.0;
-        for ledger in single_paths(&walk, shape.at(0.0)).into_iter().flatten().flatten() {
+        for ledger in single_paths(&walk, shape.at(0.0), 5).into_iter().flatten().flatten() {
             assert!(ledger.residual().abs() <= ROUNDING, "{ledger:?}");
             absorbed += ledger.absorbed;
         }
@@ -158,7 +160,7 @@ fn grazing_light_ends_and_is_accounted_for() {
                 interior: &interior(&phase, mu_s, mu_a),
                 roulette: Roulette::default(),
             };
-            for path in 0..20 {
+            for path in 0..5 {
                 let stream = Stream::open(5, Purpose::Validation, k, path, 0);
                 let ledgers = walk.trace(
                     stream,

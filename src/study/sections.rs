@@ -142,7 +142,7 @@ impl Default for TraceSection {
             estimator: EstimatorChoice::Shared,
             batches: 16,
             paths_bssrdf: 20_000,
-            paths_direct: 200_000,
+            paths_direct: 600_000,
             roulette_threshold: 0.1,
             roulette_survival: 0.2,
             zenith_cells: 9,
