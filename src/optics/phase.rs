@@ -1,6 +1,6 @@
 //! Phase functions: density of the scattered direction over the sphere (1/sr, integral 1), with exact sampling.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// What is wrong with a phase function.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -23,8 +23,6 @@ pub struct PhaseTable {
     cumulative: Vec<f64>,
     /// First interval that can hold the CDF value j/guide.len().
     guide: Vec<u32>,
-    /// 1 over the width in cos θ of the interval from node k.
-    inverse_width: Vec<f64>,
     g: f64,
 }
 
@@ -79,7 +77,6 @@ impl PhaseTable {
             density,
             cumulative,
             guide,
-            inverse_width: cosines.windows(2).map(|c| 1.0 / (c[0] - c[1])).collect(),
             g,
         })
     }
@@ -95,32 +92,27 @@ impl PhaseTable {
 
     /// Where in interval k, from node k (0) to the next (1), cos θ lies.
     #[inline]
-    pub fn place_in_interval(&self, k: usize, cos_theta: f64) -> f64 {
-        let c0 = node_cosine(k, self.density.len());
-        (c0 - cos_theta) * self.inverse_width[k]
+    fn place_in_interval(&self, k: usize, cos_theta: f64) -> f64 {
+        let nodes = self.density.len();
+        let (c0, c1) = (node_cosine(k, nodes), node_cosine(k + 1, nodes));
+        (c0 - cos_theta) / (c0 - c1)
     }
 
     /// cos θ at the CDF value `u` in 0..1, counted from the forward direction.
     #[inline]
     pub fn sample(&self, u: f64) -> f64 {
-        self.sample_in_interval(u).0
-    }
-
-    /// The same with the number of the interval between nodes it lies in.
-    #[inline]
-    pub fn sample_in_interval(&self, u: f64) -> (f64, usize) {
         let nodes = self.density.len();
         let mut k = self.guide[((u * nodes as f64) as usize).min(nodes - 1)] as usize;
         while k + 2 < nodes && self.cumulative[k + 1] <= u {
             k += 1;
         }
-        let c0 = node_cosine(k, nodes);
+        let (c0, c1) = (node_cosine(k, nodes), node_cosine(k + 1, nodes));
         let (p0, p1) = (self.density[k], self.density[k + 1]);
-        let rest = (u - self.cumulative[k]) * (2.0 / TAU);
-        let slope = (p1 - p0) * self.inverse_width[k];
-        let root = (p0 * p0 + slope * rest).max(0.0).sqrt();
-        let step = if p0 + root > 0.0 { rest / (p0 + root) } else { 0.0 };
-        ((c0 - step).max(node_cosine(k + 1, nodes)), k)
+        let rest = (u - self.cumulative[k]) / (2.0 * PI);
+        let slope = (p1 - p0) / (c0 - c1);
+        let root = (p0 * p0 + 2.0 * slope * rest).max(0.0).sqrt();
+        let step = if p0 + root > 0.0 { 2.0 * rest / (p0 + root) } else { 0.0 };
+        (c0 - step).max(c1)
     }
 
     /// Mean cosine of the table itself.
