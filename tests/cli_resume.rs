@@ -3,8 +3,12 @@
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
+
+mod command;
+
+use command::{command, specval};
 
 /// About two seconds: 16 batches in four rounds. No sample uncertainty, so that curves have Monte Carlo errors alone.
 const STUDY: &str = "
@@ -54,14 +58,8 @@ fn scratch() -> tempfile::TempDir {
     folder
 }
 
-fn command(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_specval"));
-    command.current_dir(folder).args(arguments);
-    command
-}
-
 fn run(folder: &Path, arguments: &[&str]) -> Output {
-    let output = command(folder, arguments).output().unwrap();
+    let output = specval(folder, arguments);
     let message = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{arguments:?}: {message}");
     output
@@ -91,7 +89,7 @@ fn interrupt(folder: &Path, arguments: &[&str], state: &str) {
 
 /// The message of a run that refuses its input.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
-    let output = command(folder, arguments).output().unwrap();
+    let output = specval(folder, arguments);
     let message = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
     assert!(

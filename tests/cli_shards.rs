@@ -4,9 +4,13 @@
 use specval::run::YarnArtefact;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Stdio;
 use std::time::Duration;
 use tempfile::TempDir;
+
+mod command;
+
+use command::{command, specval};
 
 /// A study of 16 batches that runs in a fraction of a second.
 const STUDY: &str = "
@@ -27,14 +31,6 @@ bssrdf_exit_phi_cells = 4
 z_cells = 4
 tilts = 3
 ";
-
-fn specval(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_specval"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
-}
 
 /// What a run that succeeds prints.
 fn succeed(folder: &Path, arguments: &[&str]) -> String {
@@ -319,9 +315,7 @@ fn interrupt_again(folder: &Path, arguments: &[&str], batches_before: u64) {
 }
 
 fn kill_when(folder: &Path, arguments: &[&str], it_is_time: impl Fn() -> bool) {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_specval"))
-        .current_dir(folder)
-        .args([arguments, &["--checkpoint", "0s"]].concat())
+    let mut child = command(folder, &[arguments, &["--checkpoint", "0s"]].concat())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()

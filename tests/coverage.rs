@@ -77,7 +77,7 @@ fn quantities(plan: &Plan, measured: &[Option<Reading>]) -> Quantities {
     let geometries = plan.geometries();
     let simulator = Simulator::new(plan, geometries.clone()).unwrap();
     let (ledgers, diffuse): (Vec<_>, Vec<_>) = (0..plan.direct_effort.batches)
-        .map(|batch| simulator.batch(batch).unwrap())
+        .map(|batch| simulator.batch(batch))
         .map(|batch| (batch.ledgers, batch.diffuse))
         .unzip();
     let gloss = |of: &Geometry| {
@@ -103,7 +103,7 @@ fn quantities(plan: &Plan, measured: &[Option<Reading>]) -> Quantities {
 
     let direct = DirectTracer::new(&plan.yarn, plan.factor_grid, plan.direct_effort, None).unwrap();
     let bssrdf = plan.bssrdf_grid().unwrap();
-    let patch = PatchTracer::new(&plan.yarn, &bssrdf, plan.factor_grid, plan.bssrdf_effort).unwrap();
+    let patch = PatchTracer::new(&plan.yarn, bssrdf, plan.factor_grid, plan.bssrdf_effort).unwrap();
     let values = plan.factor_grid.cells() * plan.grid.len();
     let mut sums = [BatchSums::zeros(values), BatchSums::zeros(values)];
     for batch in 0..plan.direct_effort.batches {

@@ -11,8 +11,11 @@ use specval::transport::{Coefficients, Cylinder, Entry, Interior, Purpose, Roule
 use specval::yarn::{ByLength, LengthBins, Reabsorption, YarnError};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::iter::zip;
-use std::process::Command;
 use std::sync::OnceLock;
+
+mod command;
+
+use command::specval;
 
 /// In the dye's bands and beside them, where paths are short, and in the red, where they are long.
 const WAVELENGTHS_NM: [f64; 6] = [410.0, 450.0, 530.0, 570.0, 600.0, 680.0];
@@ -55,7 +58,7 @@ fn trace(seed: u64, medium: MediumSection) -> YarnArtefact {
     let plan = Plan::new(study(seed, medium)).unwrap();
     let tracer = YarnTracer::new(&plan).unwrap();
     let mut sums = YarnSums::new(&tracer.layout());
-    (0..tracer.layout().batches()).for_each(|batch| sums.add(tracer.batch(batch).unwrap()));
+    (0..tracer.layout().batches()).for_each(|batch| sums.add(tracer.batch(batch)));
     YarnArtefact::new(tracer.layout(), sums)
 }
 
@@ -433,14 +436,9 @@ fn the_command_changes_files() {
     let path = |name: &str| folder.path().join(name);
     dyed().write(&path("dyed")).unwrap();
     let run = |arguments: &[&str]| {
-        let command = Command::new(env!("CARGO_BIN_EXE_specval"))
-            .current_dir(folder.path())
-            .arg("reabsorb")
-            .args(arguments)
-            .output()
-            .unwrap();
+        let output = specval(folder.path(), &[&["reabsorb"], arguments].concat());
         let text = |bytes| String::from_utf8(bytes).unwrap();
-        (command.status.code(), text(command.stdout), text(command.stderr))
+        (output.status.code(), text(output.stdout), text(output.stderr))
     };
     let (code, out, _) = run(&["dyed", "--out", "paler", "--kappa-peak", "0.006", "--json"]);
     assert_eq!(code, Some(0));

@@ -4,15 +4,10 @@ use serde_json::Value;
 use specval::run::YarnArtefact;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
-fn specval(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_specval"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
-}
+mod command;
+
+use command::specval;
 
 fn succeed(folder: &Path, arguments: &[&str]) -> String {
     let output = specval(folder, arguments);

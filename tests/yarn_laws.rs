@@ -44,7 +44,7 @@ fn patch_batches(
 ) -> Vec<BssrdfBatch> {
     let grid = BssrdfGrid::new(yarn, incident, surface, 8).unwrap();
     let summed = RadianceFactorGrid::new(tilts, surface).unwrap();
-    let tracer = PatchTracer::new(yarn, &grid, summed, effort).unwrap();
+    let tracer = PatchTracer::new(yarn, grid.clone(), summed, effort).unwrap();
     (0..effort.batches).map(|batch| tracer.batch(batch)).collect()
 }
 
@@ -95,7 +95,7 @@ fn tables_integrate_to_the_ledger() {
         let effort = Effort::new(3, 2, 4000).unwrap();
         let grid = BssrdfGrid::new(&yarn, incident, surface, 8).unwrap();
         let factors = RadianceFactorGrid::new(3, surface).unwrap();
-        let patch = PatchTracer::new(&yarn, &grid, factors, effort).unwrap();
+        let patch = PatchTracer::new(&yarn, grid.clone(), factors, effort).unwrap();
         let direct = DirectTracer::new(&yarn, factors, effort, None).unwrap();
         let width_mm = 0.15 * std::f64::consts::TAU / AZIMUTHS as f64;
         let [directions, azimuths, z_cells, exits, wavelengths] = grid.shape();

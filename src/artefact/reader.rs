@@ -21,6 +21,15 @@ pub struct Reader {
 }
 
 impl Reader {
+    /// As [`Reader::open`]; `None` where there is no file.
+    pub fn open_if_there(path: impl Into<PathBuf>, kind: Kind) -> Result<Option<Self>, ArtefactError> {
+        match Self::open(path, kind) {
+            Ok(file) => Ok(Some(file)),
+            Err(ArtefactError::NotReadable { cause, .. }) if cause.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
     /// Opens a file of this kind and goes once through all of it for its size and checksum.
     pub fn open(path: impl Into<PathBuf>, kind: Kind) -> Result<Self, ArtefactError> {
         let path = path.into();

@@ -87,15 +87,9 @@ impl PhaseTable {
         let nodes = self.density.len();
         let t = (0.5 * (1.0 - cos_theta)).max(0.0).sqrt();
         let k = ((t * (nodes - 1) as f64) as usize).min(nodes - 2);
-        self.density[k] + self.place_in_interval(k, cos_theta) * (self.density[k + 1] - self.density[k])
-    }
-
-    /// Where in interval k, from node k (0) to the next (1), cos θ lies.
-    #[inline]
-    fn place_in_interval(&self, k: usize, cos_theta: f64) -> f64 {
-        let nodes = self.density.len();
         let (c0, c1) = (node_cosine(k, nodes), node_cosine(k + 1, nodes));
-        (c0 - cos_theta) / (c0 - c1)
+        let w = (c0 - cos_theta) / (c0 - c1);
+        self.density[k] + w * (self.density[k + 1] - self.density[k])
     }
 
     /// cos θ at the CDF value `u` in 0..1, counted from the forward direction.

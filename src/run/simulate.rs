@@ -6,7 +6,7 @@ use crate::compare::Geometry;
 use crate::report::{AskedEffort, EffortNote, EnergyRow, PathsPerBatch, ReachedPrecision};
 use crate::study::ShadeWith;
 use crate::transport::{Ledger, LedgerEntry};
-use crate::yarn::{BssrdfGrid, DirectTracer, EnergyTracer, IncidentGrid, PatchTracer};
+use crate::yarn::{DirectTracer, EnergyTracer, IncidentGrid, PatchTracer};
 
 /// What one batch of light through yarn, cloth and rig gives. Nothing in it grows with the number of paths.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub struct Simulator<'a> {
 /// The road to the f* that the study shades with.
 enum Shading<'a> {
     Direct(DirectTracer<'a>),
-    Bssrdf(BssrdfGrid),
+    Bssrdf(PatchTracer<'a>),
 }
 
 impl<'a> Simulator<'a> {
@@ -47,7 +47,12 @@ impl<'a> Simulator<'a> {
                     plan.direct_effort,
                     None,
                 )?),
-                ShadeWith::Bssrdf => Shading::Bssrdf(plan.bssrdf_grid()?),
+                ShadeWith::Bssrdf => Shading::Bssrdf(PatchTracer::new(
+                    &plan.yarn,
+                    plan.bssrdf_grid()?,
+                    plan.factor_grid,
+                    plan.bssrdf_effort,
+                )?),
             },
         })
     }
@@ -62,19 +67,14 @@ impl<'a> Simulator<'a> {
     }
 
     /// Batch number `batch`, the same whenever and wherever it is made.
-    pub fn batch(&self, batch: usize) -> Result<Batch, RunError> {
-        let plan = self.plan;
+    pub fn batch(&self, batch: usize) -> Batch {
         let ledgers = self.energy.batch(batch).ledgers;
         let table = match &self.shading {
             Shading::Direct(tracer) => tracer.batch(batch).radiance_factor,
-            Shading::Bssrdf(grid) => {
-                PatchTracer::new(&plan.yarn, grid, plan.factor_grid, plan.bssrdf_effort)?
-                    .batch(batch)
-                    .radiance_factor
-            }
+            Shading::Bssrdf(tracer) => tracer.batch(batch).radiance_factor,
         };
-        let diffuse = CameraBatch::trace(plan, &self.geometries, batch).shade(&table);
-        Ok(Batch { ledgers, diffuse })
+        let diffuse = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&table);
+        Batch { ledgers, diffuse }
     }
 }
 
@@ -106,7 +106,7 @@ impl Gather for Simulating<'_> {
     }
 
     fn make(&self, batch: usize) -> Result<Batch, RunError> {
-        self.simulator.batch(batch)
+        Ok(self.simulator.batch(batch))
     }
 
     fn accept(&mut self, batch: Batch) {

@@ -1,5 +1,5 @@
 use super::{Batch, Plan, RunError, Simulator};
-use crate::artefact::{ArrayInfo, ArtefactError, ElementType, Identity, Kind, Reader, Writer};
+use crate::artefact::{ArrayInfo, ElementType, Identity, Kind, Reader, Writer};
 use crate::report::{InputDigest, ReportError};
 use crate::study::Study;
 use crate::transport::Ledger;
@@ -21,9 +21,6 @@ pub struct StateFile {
     path: PathBuf,
     identity: Identity,
 }
-
-/// Numbers of a [`Ledger`].
-const FRACTIONS: usize = 5;
 
 impl StateFile {
     /// Nothing is read or written yet. `command` is the subcommand, since each measures other geometries.
@@ -48,12 +45,8 @@ impl StateFile {
     /// # Errors
     /// A file that is damaged, or of another command, study, seed or program version. It stays as it is.
     pub fn load(&self, simulator: &Simulator) -> Result<Option<Vec<Batch>>, RunError> {
-        let mut file = match Reader::open(&self.path, Kind::State) {
-            Ok(file) => file,
-            Err(ArtefactError::NotReadable { cause, .. }) if cause.kind() == io::ErrorKind::NotFound => {
-                return Ok(None);
-            }
-            Err(error) => return Err(error.into()),
+        let Some(mut file) = Reader::open_if_there(&self.path, Kind::State)? else {
+            return Ok(None);
         };
         file.expect(&self.identity)?;
         let batches = file.arrays().next().and_then(|info| info.shape.first().copied());
@@ -62,13 +55,19 @@ impl StateFile {
         let ledgers = file.array::<f64>(&ledgers.name, &ledgers.shape)?;
         let diffuse = file.array::<f64>(&diffuse.name, &diffuse.shape)?;
         let stored = std::iter::zip(
-            ledgers.chunks_exact(directions * wavelengths * FRACTIONS),
+            ledgers.chunks_exact(directions * wavelengths * Ledger::FRACTIONS),
             diffuse.chunks_exact(simulator.geometries().len() * wavelengths),
         );
         Ok(Some(
             stored
                 .map(|(ledgers, diffuse)| Batch {
-                    ledgers: ledgers.as_chunks().0.iter().map(ledger).collect(),
+                    ledgers: ledgers
+                        .as_chunks()
+                        .0
+                        .iter()
+                        .copied()
+                        .map(Ledger::from_fractions)
+                        .collect(),
                     diffuse: diffuse.chunks_exact(wavelengths).map(<[f64]>::to_vec).collect(),
                 })
                 .collect(),
@@ -85,7 +84,7 @@ impl StateFile {
         let infos = arrays(simulator, ledgers.len());
         let header = serde_json::json!({ "batches": ledgers.len() });
         let mut file = Writer::create(&self.path, Kind::State, &self.identity, &header, &infos)?;
-        file.append(&infos[0].name, ledgers.iter().flatten().flat_map(fractions))?;
+        file.append(&infos[0].name, ledgers.iter().flatten().flat_map(Ledger::fractions))?;
         file.append(&infos[1].name, diffuse.iter().flatten().flatten().copied())?;
         Ok(file.finish()?)
     }
@@ -148,7 +147,7 @@ fn arrays(simulator: &Simulator, batches: usize) -> [ArrayInfo; 2] {
             "ledgers",
             "fraction of the incident flux",
             "batch, traced incident direction, wavelength, (reflected, ballistic, scattered, absorbed, roulette)",
-            &[batches, directions, wavelengths, FRACTIONS],
+            &[batches, directions, wavelengths, Ledger::FRACTIONS],
         ),
         array(
             "diffuse",
@@ -157,18 +156,4 @@ fn arrays(simulator: &Simulator, batches: usize) -> [ArrayInfo; 2] {
             &[batches, simulator.geometries().len(), wavelengths],
         ),
     ]
-}
-
-fn fractions(of: &Ledger) -> [f64; FRACTIONS] {
-    [of.reflected, of.ballistic, of.scattered, of.absorbed, of.roulette]
-}
-
-fn ledger(&[reflected, ballistic, scattered, absorbed, roulette]: &[f64; FRACTIONS]) -> Ledger {
-    Ledger {
-        reflected,
-        ballistic,
-        scattered,
-        absorbed,
-        roulette,
-    }
 }

@@ -3,9 +3,7 @@ use super::simulate::effort_note;
 use super::{Gather, Plan, Precision, RunError, Schedule, Tolerance, Watched, gather};
 use crate::report::EffortNote;
 use crate::transport::{BatchSums, Ledger};
-use crate::yarn::{
-    BssrdfGrid, DirectBatch, DirectTracer, EnergyTracer, LengthBins, LengthSums, LengthTally, PatchTracer,
-};
+use crate::yarn::{DirectBatch, DirectTracer, EnergyTracer, LengthBins, LengthSums, LengthTally, PatchTracer};
 use std::path::Path;
 
 /// Everything one batch of tracing tells about the yarn alone.
@@ -28,8 +26,10 @@ pub struct YarnBatch {
 /// Makes batches of the yarn: ledger, BSSRDF, f* by both roads, path lengths.
 pub struct YarnTracer<'a> {
     plan: &'a Plan,
-    grid: BssrdfGrid,
     lengths: LengthBins,
+    energy: EnergyTracer<'a>,
+    direct: DirectTracer<'a>,
+    patch: PatchTracer<'a>,
 }
 
 impl<'a> YarnTracer<'a> {
@@ -37,44 +37,44 @@ impl<'a> YarnTracer<'a> {
     pub const ROUND: usize = 1;
 
     pub fn new(plan: &'a Plan) -> Result<Self, RunError> {
+        let (yarn, factors) = (&plan.yarn, plan.factor_grid);
+        let lengths = LengthBins::new(yarn.cylinder.radius_mm(), LengthBins::DEFAULT)?;
         Ok(Self {
             plan,
-            grid: plan.bssrdf_grid()?,
-            lengths: LengthBins::new(plan.yarn.cylinder.radius_mm(), LengthBins::DEFAULT)?,
+            energy: EnergyTracer::new(yarn, plan.incident, plan.bssrdf_effort, Some(lengths.clone()))?,
+            direct: DirectTracer::new(yarn, factors, plan.direct_effort, Some(lengths.clone()))?,
+            patch: PatchTracer::new(yarn, plan.bssrdf_grid()?, factors, plan.bssrdf_effort)?,
+            lengths,
         })
     }
 
     /// What the tables hold and along which axes.
     pub fn layout(&self) -> YarnLayout {
-        YarnLayout::of(self.plan, &self.grid, &self.lengths)
+        YarnLayout::of(self.plan, self.patch.grid(), &self.lengths)
     }
 
     /// Batch number `batch`, the same whenever and wherever it is made.
-    pub fn batch(&self, batch: usize) -> Result<YarnBatch, RunError> {
-        let plan = self.plan;
-        let lengths = Some(&self.lengths);
+    pub fn batch(&self, batch: usize) -> YarnBatch {
         // The table that takes most memory while it is made comes first, before the others are there.
         let (bssrdf, summed) = {
-            let tracer = PatchTracer::new(&plan.yarn, &self.grid, plan.factor_grid, plan.bssrdf_effort)?;
-            let patch = tracer.batch(batch);
+            let patch = self.patch.batch(batch);
             let rounded: Vec<f32> = patch.fractions.iter().map(|&fraction| fraction as f32).collect();
             (rounded, patch.radiance_factor)
         };
-        let energy = EnergyTracer::new(&plan.yarn, plan.incident, plan.bssrdf_effort, lengths)?.batch(batch);
-        let direct = DirectTracer::new(&plan.yarn, plan.factor_grid, plan.direct_effort, lengths)?;
+        let energy = self.energy.batch(batch);
         let DirectBatch {
             radiance_factor,
             lengths,
             ..
-        } = direct.batch(batch);
-        Ok(YarnBatch {
+        } = self.direct.batch(batch);
+        YarnBatch {
             ledgers: energy.ledgers,
             energy_by_length: energy.lengths.into_flattened(),
             direct: radiance_factor,
             summed,
             bssrdf,
             by_length: lengths,
-        })
+        }
     }
 }
 
@@ -145,7 +145,7 @@ impl Gather for Tracing<'_> {
     }
 
     fn make(&self, batch: usize) -> Result<YarnBatch, RunError> {
-        self.tracer.batch(batch)
+        Ok(self.tracer.batch(batch))
     }
 
     fn accept(&mut self, batch: YarnBatch) {

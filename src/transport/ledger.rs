@@ -15,6 +15,9 @@ pub struct Ledger {
 }
 
 impl Ledger {
+    /// How many there are, the residual apart.
+    pub const FRACTIONS: usize = 5;
+
     /// 1 − everything accounted for; 0 to rounding for a closed ledger.
     pub fn residual(&self) -> f64 {
         1.0 - (self.reflected + self.ballistic + self.scattered + self.absorbed + self.roulette)
@@ -29,24 +32,28 @@ impl Ledger {
     }
 
     pub fn scaled(&self, factor: f64) -> Self {
-        Self {
-            reflected: self.reflected * factor,
-            ballistic: self.ballistic * factor,
-            scattered: self.scattered * factor,
-            absorbed: self.absorbed * factor,
-            roulette: self.roulette * factor,
-        }
+        Self::from_fractions(self.fractions().map(|fraction| fraction * factor))
     }
 
-    fn fields(&self) -> [f64; 6] {
+    /// Reflected, ballistic, scattered, absorbed, roulette.
+    pub fn fractions(&self) -> [f64; Self::FRACTIONS] {
         [
             self.reflected,
             self.ballistic,
             self.scattered,
             self.absorbed,
             self.roulette,
-            self.residual(),
         ]
+    }
+
+    pub fn from_fractions([reflected, ballistic, scattered, absorbed, roulette]: [f64; Self::FRACTIONS]) -> Self {
+        Self {
+            reflected,
+            ballistic,
+            scattered,
+            absorbed,
+            roulette,
+        }
     }
 }
 
@@ -61,17 +68,13 @@ pub struct LedgerEntry {
 impl LedgerEntry {
     /// Mean and standard error of the mean of equally weighted batches.
     pub fn from_batches(batches: &[Ledger]) -> Self {
-        let fields: Vec<[f64; 6]> = batches.iter().map(Ledger::fields).collect();
-        let of: [Estimate; 6] = std::array::from_fn(|k| Estimate::from_batches(fields.iter().map(|f| f[k])));
+        let estimate = |of: &dyn Fn(&Ledger) -> f64| Estimate::from_batches(batches.iter().map(of));
+        let of: [Estimate; Ledger::FRACTIONS] = std::array::from_fn(|k| estimate(&|ledger| ledger.fractions()[k]));
+        let residual = estimate(&Ledger::residual);
+        let [reflected, ballistic, scattered, absorbed, roulette] = of.map(|estimate| estimate.se);
         Self {
-            mean: Ledger {
-                reflected: of[0].value,
-                ballistic: of[1].value,
-                scattered: of[2].value,
-                absorbed: of[3].value,
-                roulette: of[4].value,
-            },
-            se: of.map(|estimate| estimate.se),
+            mean: Ledger::from_fractions(of.map(|estimate| estimate.value)),
+            se: [reflected, ballistic, scattered, absorbed, roulette, residual.se],
         }
     }
 }

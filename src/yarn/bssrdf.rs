@@ -1,5 +1,5 @@
 use super::radiance_factor::{FactorCells, LightSide};
-use super::{Effort, IncidentGrid, RadianceFactorGrid, Sharing, SurfaceGrid, Yarn, YarnError};
+use super::{Effort, IncidentGrid, RadianceFactorGrid, Sharing, SurfaceGrid, Yarn, YarnError, add_scaled};
 use crate::geometry::{CellFinder, Sectors};
 use crate::transport::{Entry, Ledger, Purpose, Stream};
 use rayon::prelude::*;
@@ -93,7 +93,7 @@ impl BssrdfGrid {
 pub struct PatchTracer<'a> {
     yarn: &'a Yarn,
     sharing: Vec<Sharing<'a>>,
-    grid: &'a BssrdfGrid,
+    grid: BssrdfGrid,
     summed: RadianceFactorGrid,
     cells: FactorCells,
     around: Sectors,
@@ -122,20 +122,24 @@ struct Part {
 impl<'a> PatchTracer<'a> {
     pub fn new(
         yarn: &'a Yarn,
-        grid: &'a BssrdfGrid,
+        grid: BssrdfGrid,
         summed: RadianceFactorGrid,
         effort: Effort,
     ) -> Result<Self, YarnError> {
         Ok(Self {
             yarn,
             sharing: yarn.sharing()?,
-            grid,
             summed,
             cells: FactorCells::new(summed)?,
             around: grid.surface.sectors()?,
             exit: grid.surface.exit.finder(),
+            grid,
             effort,
         })
+    }
+
+    pub fn grid(&self) -> &BssrdfGrid {
+        &self.grid
     }
 
     /// Traces one batch from every direction.
@@ -176,7 +180,7 @@ impl<'a> PatchTracer<'a> {
         let incident = &self.grid.incident;
         let cell = incident.cell(direction);
         let [low, high] = cell.sine_of_tilt();
-        let tilts = summed.tilt_of_sine(low)..=summed.tilt_of_sine(high);
+        let tilts = self.cells.tilt(low)..=self.cells.tilt(high);
         let per_tilt = summed.cells() / summed.tilts();
         let first_cell = tilts.start() * per_tilt;
         // The part of the hemisphere that this direction and its mirror images stand for.
@@ -240,11 +244,4 @@ impl<'a> PatchTracer<'a> {
             ledgers,
         }
     }
-}
-
-#[inline(always)]
-fn add_scaled(sums: &mut [f64], weights: &[f64], factor: f64) {
-    sums.iter_mut()
-        .zip(weights)
-        .for_each(|(sum, weight)| *sum += factor * weight);
 }

@@ -1,5 +1,5 @@
 use super::radiance_factor::{FactorCells, LightSide};
-use super::{Effort, LengthBins, LengthTally, RadianceFactorGrid, Sharing, Yarn, YarnError};
+use super::{Effort, LengthBins, LengthTally, RadianceFactorGrid, Sharing, Yarn, YarnError, add_scaled};
 use crate::geometry::Vec3;
 use crate::transport::{Entry, Ledger, Purpose, Stream};
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ pub struct DirectTracer<'a> {
     grid: RadianceFactorGrid,
     cells: FactorCells,
     effort: Effort,
-    lengths: Option<&'a LengthBins>,
+    lengths: Option<LengthBins>,
 }
 
 /// Result of one batch.
@@ -30,7 +30,7 @@ impl<'a> DirectTracer<'a> {
         yarn: &'a Yarn,
         grid: RadianceFactorGrid,
         effort: Effort,
-        lengths: Option<&'a LengthBins>,
+        lengths: Option<LengthBins>,
     ) -> Result<Self, YarnError> {
         Ok(Self {
             yarn,
@@ -67,7 +67,7 @@ impl<'a> DirectTracer<'a> {
         let wavelengths = self.yarn.wavelengths();
         let exits = self.grid.surface().exit().cells();
         let cells = self.grid.azimuths() * exits;
-        let bins = self.lengths.map_or(0, LengthBins::bins);
+        let bins = self.lengths.as_ref().map_or(0, LengthBins::bins);
         let paths = self.effort.paths_per_batch;
         let [low, high] = self.grid.tilt_edges(tilt).map(f64::sin);
         let light = LightSide {
@@ -102,8 +102,8 @@ impl<'a> DirectTracer<'a> {
                 |exit| {
                     if exit.scattered {
                         let cell = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
-                        add(&mut values[cell * wavelengths..][here.clone()], exit.weights);
-                        if let Some(of) = self.lengths {
+                        add_scaled(&mut values[cell * wavelengths..][here.clone()], exit.weights, 1.0);
+                        if let Some(of) = &self.lengths {
                             let at = (cell * bins + of.bin(exit.length_mm)) * wavelengths;
                             add_single(&mut lengths.amount[at..][here.clone()], exit.weights, 1.0);
                             add_single(&mut lengths.moment_mm[at..][here.clone()], exit.weights, exit.length_mm);
@@ -130,11 +130,6 @@ impl<'a> DirectTracer<'a> {
             lengths,
         }
     }
-}
-
-#[inline(always)]
-fn add(sums: &mut [f64], weights: &[f64]) {
-    sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
 }
 
 #[inline(always)]

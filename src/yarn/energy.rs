@@ -10,7 +10,7 @@ pub struct EnergyTracer<'a> {
     sharing: Vec<Sharing<'a>>,
     incident: IncidentGrid,
     effort: Effort,
-    lengths: Option<&'a LengthBins>,
+    lengths: Option<LengthBins>,
 }
 
 /// Result of one batch.
@@ -28,7 +28,7 @@ impl<'a> EnergyTracer<'a> {
         yarn: &'a Yarn,
         incident: IncidentGrid,
         effort: Effort,
-        lengths: Option<&'a LengthBins>,
+        lengths: Option<LengthBins>,
     ) -> Result<Self, YarnError> {
         Ok(Self {
             yarn,
@@ -55,7 +55,7 @@ impl<'a> EnergyTracer<'a> {
     fn direction(&self, batch: usize, direction: usize) -> EnergyBatch {
         let paths = self.effort.paths_per_batch;
         let scale = 1.0 / paths as f64;
-        let bins = self.lengths.map_or(0, LengthBins::bins);
+        let bins = self.lengths.as_ref().map_or(0, LengthBins::bins);
         let entry = Entry {
             position: self.yarn.cylinder.at(0.0),
             normal: Vec3::z(),
@@ -70,7 +70,7 @@ impl<'a> EnergyTracer<'a> {
                 paths,
                 |_| entry,
                 |exit| {
-                    if let Some(of) = self.lengths {
+                    if let Some(of) = &self.lengths {
                         let bin = of.bin(exit.length_mm);
                         let place = usize::from(exit.scattered);
                         for (weight, row) in exit.weights.iter().zip(lengths.chunks_exact_mut(bins)) {

@@ -111,6 +111,14 @@ impl Yarn {
     }
 }
 
+/// Adds the weights of an exit, times a factor, to a row of a table.
+#[inline(always)]
+fn add_scaled(sums: &mut [f64], weights: &[f64], factor: f64) {
+    sums.iter_mut()
+        .zip(weights)
+        .for_each(|(sum, weight)| *sum += factor * weight);
+}
+
 /// How much to trace and with what random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {

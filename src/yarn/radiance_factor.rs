@@ -58,11 +58,6 @@ impl RadianceFactorGrid {
         (high.sin() - low.sin()) / (high - low)
     }
 
-    /// Cell of the tilt with |sin ψ| = `sine`.
-    pub(super) fn tilt_of_sine(&self, sine: f64) -> usize {
-        ((sine.min(1.0).asin() / FRAC_PI_2 * self.tilts as f64) as usize).min(self.tilts - 1)
-    }
-
     /// Index of (tilt, azimuth, exit cell).
     pub fn cell(&self, tilt: usize, azimuth: usize, exit: usize) -> usize {
         (tilt * self.azimuths() + azimuth) * self.surface.exit.cells() + exit

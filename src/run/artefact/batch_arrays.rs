@@ -29,26 +29,22 @@ pub(super) fn ledgers(layout: &YarnLayout) -> Array {
     Array {
         unit: "fraction of the incident flux",
         axes: "traced direction, wavelength; reflected, ballistic, scattered, absorbed, roulette",
-        shape: vec![layout.incident.traced(), layout.wavelengths(), 5],
+        shape: vec![layout.incident.traced(), layout.wavelengths(), Ledger::FRACTIONS],
     }
 }
 
 pub(super) fn flat(ledgers: &[Ledger]) -> impl Iterator<Item = f64> {
-    ledgers
-        .iter()
-        .flat_map(|l| [l.reflected, l.ballistic, l.scattered, l.absorbed, l.roulette])
+    ledgers.iter().flat_map(Ledger::fractions)
 }
 
 pub(super) fn from_flat(values: &[f64]) -> Vec<Ledger> {
-    let rows = values.as_chunks::<5>().0.iter();
-    rows.map(|&[reflected, ballistic, scattered, absorbed, roulette]| Ledger {
-        reflected,
-        ballistic,
-        scattered,
-        absorbed,
-        roulette,
-    })
-    .collect()
+    values
+        .as_chunks()
+        .0
+        .iter()
+        .copied()
+        .map(Ledger::from_fractions)
+        .collect()
 }
 
 pub(super) fn append_batch(file: &mut Writer, number: usize, batch: &YarnBatch) -> Result<(), ArtefactError> {

@@ -1,11 +1,10 @@
 use super::YarnLayout;
 use super::batch_arrays::{flat, from_flat, ledgers};
 use super::layout::parse;
-use crate::artefact::{ArtefactError, ElementType, Kind, Reader, Writer};
+use crate::artefact::{ElementType, Kind, Reader, Writer};
 use crate::run::{RunError, YarnSums};
 use crate::transport::{BatchSums, Ledger};
 use crate::yarn::LengthSums;
-use std::io;
 use std::path::Path;
 
 impl YarnSums {
@@ -54,12 +53,8 @@ impl YarnSums {
     /// Reads where a run of this layout stood, bit for bit; `None` where there is no file. The state of another run is
     /// refused, and stays as it is.
     pub fn load(layout: &YarnLayout, path: &Path) -> Result<Option<Self>, RunError> {
-        let mut file = match Reader::open(path, Kind::State) {
-            Ok(file) => file,
-            Err(ArtefactError::NotReadable { cause, .. }) if cause.kind() == io::ErrorKind::NotFound => {
-                return Ok(None);
-            }
-            Err(error) => return Err(error.into()),
+        let Some(mut file) = Reader::open_if_there(path, Kind::State)? else {
+            return Ok(None);
         };
         file.expect(&layout.identity()?)?;
         let batches: usize = parse(path, Kind::State, "header.batches", &file.header()["batches"])?;
