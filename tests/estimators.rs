@@ -266,7 +266,7 @@ fn against_photon_tracer(psi_deg: f64, paths_per_batch: usize) -> Vec<(String, f
     let batches: Vec<Vec<[f64; VALUES]>> = (0..BATCHES)
         .map(|batch| {
             let mut sums = vec![[0.0; VALUES]; nm.len()];
-            let ledgers = walk.trace(
+            let traced = walk.trace(
                 Stream::open(36, Purpose::Validation, psi_deg as usize, batch, 0),
                 paths_per_batch,
                 |[across, ..]| {
@@ -292,7 +292,7 @@ fn against_photon_tracer(psi_deg: f64, paths_per_batch: usize) -> Vec<(String, f
                     }
                 },
             );
-            for (sums, ledger) in sums.iter_mut().zip(ledgers) {
+            for (sums, ledger) in sums.iter_mut().zip(traced.ledgers) {
                 [sums[0], sums[1], sums[2]] = [ledger.ballistic, ledger.scattered, ledger.absorbed];
                 sums.iter_mut().for_each(|sum| *sum /= paths_per_batch as f64);
             }

@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use specval::geometry::Vec3;
 use specval::optics::{HenyeyGreenstein, Phase};
 use specval::transport::{
-    Coefficients, Cylinder, Entry, Interior, Ledger, LedgerEntry, Purpose, Roulette, Shape, Slab, Stream, Walk,
+    Coefficients, Cylinder, Entry, Interior, Ledger, LedgerEntry, Purpose, Roulette, Shape, Slab, Stream, Traced, Walk,
 };
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -43,7 +43,7 @@ fn single_paths<S: Shape>(walk: &Walk<'_, S>, position: Vec3, batches: usize) ->
             .map(|path| {
                 let stream = Stream::open(3, Purpose::Validation, direction, batch, path);
                 let mut exits = Ledger::default();
-                let ledgers = walk.trace(
+                let Traced { ledgers, .. } = walk.trace(
                     stream,
                     1,
                     |_| entry(position, omega_in),
@@ -162,7 +162,7 @@ fn grazing_light_ends_and_is_accounted_for() {
             };
             for path in 0..5 {
                 let stream = Stream::open(5, Purpose::Validation, k, path, 0);
-                let ledgers = walk.trace(
+                let Traced { ledgers, .. } = walk.trace(
                     stream,
                     1,
                     |[azimuth, ..]| {
@@ -195,7 +195,7 @@ fn many_paths_close_as_one() {
         };
         for paths in [1, 15, 16, 17, 1000] {
             let mut exits = 0.0;
-            let ledgers = walk.trace(
+            let Traced { ledgers, .. } = walk.trace(
                 Stream::open(6, Purpose::Validation, paths, 0, 0),
                 paths,
                 |_| entry(shape.at(0.0), Vec3::z()),

@@ -13,7 +13,8 @@ pub struct Interface {
 /// the one on the side the light comes from.
 #[inline(always)]
 pub fn interface(cos_i: f64, eta: f64) -> Interface {
-    let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
+    // One `eta` for many angles: this division then leaves the loop over them.
+    let sin2_t = (1.0 - cos_i * cos_i) * (1.0 / (eta * eta));
     let cos_t = (1.0 - sin2_t).max(0.0).sqrt();
     // Both amplitudes over one denominator: a division less, and no branch, so that loops over lanes stay vectors.
     let (s, s_sum) = (cos_i - eta * cos_t, cos_i + eta * cos_t);

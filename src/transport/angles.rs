@@ -1,81 +1,197 @@
+use super::flights::LANES;
 use crate::optics::{Phase, PhaseTable};
-use std::hint::select_unpredictable;
 
-/// An angle drawn from a phase function.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Angle {
-    pub cos_theta: f64,
-    /// Interval between the table's nodes it lies in, and where in it from the first node (0) to the second (1).
-    pub interval: usize,
-    pub place: f64,
+/// Angles drawn from phase functions, one for each lane.
+pub(super) struct Turns {
+    /// Column of the tables it is drawn from, where in it, and what it holds.
+    column: [u64; LANES],
+    rest: [f64; LANES],
+    fetched: Fetched,
+    pub cos_theta: [f64; LANES],
+    /// Interval between the tables' nodes an angle lies in, a whole number, and where in it from the first node (0) to the
+    /// second (1). Of no meaning where phase functions are not tables.
+    pub interval: [f64; LANES],
+    pub place: [f64; LANES],
 }
 
-/// Phase functions of several wavelengths, made ready for drawing from any of them without a branch or a search.
+impl Default for Turns {
+    fn default() -> Self {
+        Self {
+            column: [0; LANES],
+            rest: [0.0; LANES],
+            fetched: Fetched::default(),
+            cos_theta: [0.0; LANES],
+            interval: [0.0; LANES],
+            place: [0.0; LANES],
+        }
+    }
+}
+
+/// The column of each lane.
+struct Fetched {
+    own: [f32; LANES],
+    alias: [f32; LANES],
+    own_lean: [f32; LANES],
+    alias_lean: [f32; LANES],
+}
+
+impl Default for Fetched {
+    fn default() -> Self {
+        Self {
+            own: [1.0; LANES],
+            alias: [0.0; LANES],
+            own_lean: [0.5; LANES],
+            alias_lean: [0.5; LANES],
+        }
+    }
+}
+
+/// Phase functions of several wavelengths, made ready for drawing from any of them.
 #[derive(Clone, Debug)]
 pub(super) enum Angles<'a> {
-    /// Tables on the same nodes: Walker's alias method chooses the interval, whose linear density is then inverted.
-    Tables {
-        intervals: usize,
-        columns: Vec<Column>,
-    },
+    Tables(Columns),
     Functions(Vec<&'a Phase>),
 }
 
-/// One interval of one table.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Column {
-    /// Share of the column that is the interval's own; the rest belongs to the interval `alias`.
-    own: f64,
-    alias: usize,
-    /// Densities at the interval's nodes.
-    low: f64,
-    high: f64,
+/// Tables on the same nodes: Walker's alias method chooses the interval, whose linear density is then inverted, without a
+/// branch or a search. One row of intervals after the other, one for each wavelength.
+#[derive(Clone, Debug)]
+pub(super) struct Columns {
+    intervals: usize,
+    columns: Vec<Column>,
 }
+
+/// In single precision: a probability off by parts in 10⁸ does no harm, and a table fits the nearest cache.
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    /// Share of the column that is the interval's own; the rest belongs to the interval `alias`, a whole number.
+    own: f32,
+    alias: f32,
+    /// Density at the first node over the sum of both: of the interval, and of the alias.
+    lean: [f32; 2],
+}
+
+/// 2⁵²: added to a whole number it brings it to the low bits.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
 
 impl<'a> Angles<'a> {
     pub fn new(phases: &[&'a Phase]) -> Self {
         match common_tables(phases) {
-            Some((nodes, tables)) => Self::Tables {
-                intervals: nodes - 1,
-                columns: tables.iter().flat_map(|table| columns(table)).collect(),
-            },
+            Some((nodes, tables)) => {
+                let intervals = nodes - 1;
+                let columns = tables.iter().flat_map(|table| columns(table)).collect();
+                Self::Tables(Columns { intervals, columns })
+            }
             None => Self::Functions(phases.to_vec()),
         }
     }
 
-    /// Draws from the phase function of one wavelength with an even number.
+    /// Begins to draw from the phase function of each lane's wavelength (a whole number) with an even number. Apart from
+    /// [`Angles::draw`] because what is written lane by lane holds up vectors that read it at once.
     #[inline(always)]
-    pub fn draw(&self, wavelength: usize, u: f64) -> Angle {
+    pub fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], turns: &mut Turns) {
         match self {
-            Self::Tables { intervals, columns } => {
-                let intervals = *intervals;
-                let of_wavelength = &columns[wavelength * intervals..(wavelength + 1) * intervals];
-                let at = u * intervals as f64;
-                let k = (at as usize).min(intervals - 1);
-                let rest = at - k as f64;
-                let column = &of_wavelength[k];
-                // The choice is a matter of chance: a branch on it would be mispredicted as often.
-                let own = rest < column.own;
-                let v = select_unpredictable(own, rest, rest - column.own)
-                    / select_unpredictable(own, column.own, 1.0 - column.own);
-                let k = select_unpredictable(own, k, column.alias);
-                let Column { low, high, .. } = of_wavelength[k];
-                let place = v * (low + high) / (low + (low * low + (high - low) * (high + low) * v).max(0.0).sqrt());
-                let step = 1.0 / intervals as f64;
-                let t = k as f64 * step;
-                Angle {
-                    cos_theta: 1.0 - 2.0 * (t * t + place * step * (2.0 * t + step)),
-                    interval: k,
-                    place,
+            Self::Tables(columns) => columns.fetch(wavelength, u, turns),
+            Self::Functions(phases) => {
+                for lane in 0..LANES {
+                    turns.cos_theta[lane] = phases[wavelength[lane] as usize].sample(u[lane]);
                 }
             }
-            Self::Functions(phases) => Angle {
-                cos_theta: phases[wavelength].sample(u),
-                interval: 0,
-                place: 0.0,
-            },
         }
     }
+
+    /// Draws what was begun.
+    #[inline(always)]
+    pub fn draw(&self, turns: &mut Turns) {
+        if let Self::Tables(columns) = self {
+            columns.draw(turns);
+        }
+    }
+}
+
+impl Columns {
+    #[inline(always)]
+    fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], turns: &mut Turns) {
+        let intervals = self.intervals as f64;
+        for i in 0..LANES {
+            let at = u[i] * intervals;
+            let near = (at + WHOLE) - WHOLE;
+            let k = if near > at { near - 1.0 } else { near };
+            turns.interval[i] = k;
+            turns.rest[i] = at - k;
+            turns.column[i] = (wavelength[i] * intervals + k + WHOLE).to_bits() & u64::from(u32::MAX);
+        }
+        // A loop of its own, with the check of the index in it, so that it does not become the processor's gather
+        // instruction, which is slower by far.
+        for i in 0..LANES {
+            let column = &self.columns[turns.column[i] as usize];
+            turns.fetched.own[i] = column.own;
+            turns.fetched.alias[i] = column.alias;
+            [turns.fetched.own_lean[i], turns.fetched.alias_lean[i]] = column.lean;
+        }
+    }
+
+    #[inline(always)]
+    fn draw(&self, turns: &mut Turns) {
+        let step = 1.0 / self.intervals as f64;
+        let of = &turns.fetched;
+        let (mut v, mut lean) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            let (k, rest) = (turns.interval[i], turns.rest[i]);
+            // Both of each first: a choice between loads would be a branch.
+            let own = f64::from(of.own[i]);
+            let (lean_here, lean_there) = (f64::from(of.own_lean[i]), f64::from(of.alias_lean[i]));
+            let (below, above, alias) = (own, 1.0 - own, f64::from(of.alias[i]));
+            let mine = rest < own;
+            let from = if mine { 0.0 } else { own };
+            let width = if mine { below } else { above };
+            v[i] = (rest - from) / width;
+            lean[i] = if mine { lean_here } else { lean_there };
+            turns.interval[i] = if mine { k } else { alias };
+        }
+        for i in 0..LANES {
+            let root = (lean[i] * lean[i] + (1.0 - 2.0 * lean[i]) * v[i]).max(0.0).sqrt();
+            let place = v[i] / (lean[i] + root).max(f64::MIN_POSITIVE);
+            let t = turns.interval[i] * step;
+            turns.cos_theta[i] = 1.0 - 2.0 * (t * t + place * step * (2.0 * t + step));
+            turns.place[i] = place;
+        }
+    }
+}
+
+/// Walker's columns (Vose 1991) of one table.
+fn columns(table: &PhaseTable) -> Vec<Column> {
+    let density = table.density();
+    let intervals = density.len() - 1;
+    // Interval k is 2(2k + 1)/n² wide in cos θ.
+    let mut share: Vec<f64> = (0..intervals)
+        .map(|k| (density[k] + density[k + 1]) * (2 * k + 1) as f64)
+        .collect();
+    let total: f64 = share.iter().sum();
+    share.iter_mut().for_each(|s| *s *= intervals as f64 / total);
+    let lean = |k: usize| {
+        let sum = density[k] + density[k + 1];
+        if sum > 0.0 { (density[k] / sum) as f32 } else { 0.5 }
+    };
+    let mut columns: Vec<Column> = (0..intervals)
+        .map(|k| Column {
+            own: 1.0,
+            alias: k as f32,
+            lean: [lean(k); 2],
+        })
+        .collect();
+    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..intervals).partition(|&k| share[k] < 1.0);
+    while let (Some(poor), Some(&rich)) = (small.pop(), large.last()) {
+        columns[poor].own = share[poor] as f32;
+        columns[poor].alias = rich as f32;
+        columns[poor].lean[1] = lean(rich);
+        share[rich] -= 1.0 - share[poor];
+        if share[rich] < 1.0 {
+            large.pop();
+            small.push(rich);
+        }
+    }
+    columns
 }
 
 /// The tables behind the phase functions and the number of their nodes, if all are tables on the same nodes.
@@ -92,37 +208,6 @@ pub(super) fn common_tables<'a>(phases: &[&'a Phase]) -> Option<(usize, Vec<&'a 
     alike.then_some((nodes, tables))
 }
 
-/// Walker's columns (Vose 1991) of the intervals' probabilities.
-fn columns(table: &PhaseTable) -> Vec<Column> {
-    let density = table.density();
-    let intervals = density.len() - 1;
-    // Interval k is 2(2k + 1)/n² wide in cos θ.
-    let mut share: Vec<f64> = (0..intervals)
-        .map(|k| (density[k] + density[k + 1]) * (2 * k + 1) as f64)
-        .collect();
-    let total: f64 = share.iter().sum();
-    share.iter_mut().for_each(|s| *s *= intervals as f64 / total);
-    let mut columns: Vec<Column> = (0..intervals)
-        .map(|k| Column {
-            own: 1.0,
-            alias: k,
-            low: density[k],
-            high: density[k + 1],
-        })
-        .collect();
-    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..intervals).partition(|&k| share[k] < 1.0);
-    while let (Some(poor), Some(&rich)) = (small.pop(), large.last()) {
-        columns[poor].own = share[poor];
-        columns[poor].alias = rich;
-        share[rich] -= 1.0 - share[poor];
-        if share[rich] < 1.0 {
-            large.pop();
-            small.push(rich);
-        }
-    }
-    columns
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,11 +222,16 @@ mod tests {
         let n = 2_000_000;
         let mut mean = 0.0;
         let mut shares = vec![0.0; 180];
-        for i in 0..n {
-            let angle = angles.draw(1, (f64::from(i) + 0.5) / f64::from(n));
-            mean += angle.cos_theta / f64::from(n);
-            shares[angle.interval] += 1.0 / f64::from(n);
-            assert!((0.0..=1.0).contains(&angle.place));
+        let mut turns = Turns::default();
+        for i in 0..n / LANES {
+            let u = std::array::from_fn(|lane| ((i * LANES + lane) as f64 + 0.5) / n as f64);
+            angles.fetch(&[1.0; LANES], &u, &mut turns);
+            angles.draw(&mut turns);
+            for lane in 0..LANES {
+                mean += turns.cos_theta[lane] / n as f64;
+                shares[turns.interval[lane] as usize] += 1.0 / n as f64;
+                assert!((0.0..=1.0).contains(&turns.place[lane]));
+            }
         }
         assert!((mean - g).abs() < 1e-6, "{mean} {g}");
         for (k, share) in shares.iter().enumerate() {

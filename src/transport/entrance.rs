@@ -1,13 +1,14 @@
 use super::Shape;
 use super::flights::{FAR_MM, LANES, Lanes3, refract};
 use super::lane_math::unit;
+use super::stream::LaneStream;
 use super::walk::{ENTRY_COORDINATES, Entry};
+use crate::geometry::Vec3;
 use crate::optics::fresnel;
-use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::Rng};
 
 /// Paths on the way in, as many as lanes: refracted, and followed straight to the other side.
 pub(super) struct Entrance {
-    stream: Xoshiro256PlusPlus,
+    stream: LaneStream<LANES>,
     /// Paths in all, and how many of them have come here.
     paths: usize,
     begun: usize,
@@ -16,7 +17,8 @@ pub(super) struct Entrance {
     fetched: usize,
     pub position: Lanes3,
     normal: Lanes3,
-    pub omega_in: Lanes3,
+    omega_in: Lanes3,
+    pub entries: [Entry; LANES],
     /// Inside.
     pub direction: Lanes3,
     /// Even number for the first flight.
@@ -31,7 +33,7 @@ pub(super) struct Entrance {
 }
 
 impl Entrance {
-    pub fn new(stream: Xoshiro256PlusPlus, paths: usize) -> Self {
+    pub fn new(stream: LaneStream<LANES>, paths: usize) -> Self {
         Self {
             stream,
             paths,
@@ -41,6 +43,11 @@ impl Entrance {
             position: [[0.0; LANES]; 3],
             normal: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
             omega_in: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
+            entries: [Entry {
+                position: Vec3::zeros(),
+                normal: Vec3::z(),
+                omega_in: Vec3::z(),
+            }; LANES],
             direction: [[0.0; LANES]; 3],
             for_flight: [0.0; LANES],
             reflectance: [0.0; LANES],
@@ -52,40 +59,45 @@ impl Entrance {
         }
     }
 
-    /// Place of the next path, if one is left.
+    /// How many paths wait.
     #[inline(always)]
-    pub fn next<S: Shape>(
-        &mut self,
-        shape: &S,
-        index: f64,
-        entry: &mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry,
-    ) -> Option<usize> {
-        if self.fetched == self.ready {
-            self.ready = LANES.min(self.paths - self.begun);
-            self.fetched = 0;
-            self.fill(shape, index, entry);
-        }
+    pub fn waiting(&self) -> usize {
+        self.ready - self.fetched
+    }
+
+    /// Place of the next path that waits.
+    #[inline(always)]
+    pub fn next(&mut self) -> Option<usize> {
         let place = self.fetched;
         (place < self.ready).then(|| {
             self.fetched += 1;
-            place
+            // Places are lanes; said for the compiler.
+            place % LANES
         })
     }
 
+    /// As many paths as lanes, or those that are left.
     #[inline(always)]
-    fn fill<S: Shape>(&mut self, shape: &S, index: f64, entry: &mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry) {
+    pub fn fill<S: Shape>(&mut self, shape: &S, index: f64, entry: &mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry) {
+        self.ready = LANES.min(self.paths - self.begun);
+        self.fetched = 0;
+        let mut coordinates = [[0.0; LANES]; ENTRY_COORDINATES];
+        for numbers in coordinates.iter_mut().chain([&mut self.for_flight]) {
+            for (i, number) in numbers.iter_mut().enumerate() {
+                *number = unit(self.stream.next(i));
+            }
+        }
         for i in 0..self.ready {
-            let mut coordinates = [0.0; ENTRY_COORDINATES];
-            coordinates.iter_mut().for_each(|c| *c = unit(self.stream.next_u64()));
+            let mut coordinates = coordinates.map(|numbers| numbers[i]);
             coordinates[0] = (self.begun as f64 + coordinates[0]) / self.paths as f64;
             self.begun += 1;
             let entry = entry(&coordinates);
-            self.for_flight[i] = unit(self.stream.next_u64());
             for axis in 0..3 {
                 self.position[axis][i] = entry.position[axis];
                 self.normal[axis][i] = entry.normal[axis];
                 self.omega_in[axis][i] = entry.omega_in[axis];
             }
+            self.entries[i] = entry;
         }
         let inverse_index = 1.0 / index;
         for i in 0..LANES {

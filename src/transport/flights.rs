@@ -1,4 +1,5 @@
 use super::Shape;
+use super::angles::{Angles, Turns};
 use super::lane_math::{ln, sin_cos_turns, unit};
 use super::stream::LaneStream;
 use crate::optics::fresnel::{self, Interface};
@@ -12,38 +13,45 @@ pub(super) const FAR_MM: f64 = 1e300;
 /// Components of a vector in every lane.
 pub(super) type Lanes3 = [[f64; LANES]; 3];
 
+/// A bit for each lane.
+pub(super) type Mask = u32;
+
 /// Where the paths under way are.
 pub(super) struct Flights {
     pub stream: LaneStream<LANES>,
     pub position: Lanes3,
     pub direction: Lanes3,
-    /// Of the angle that a particle will turn the path by.
-    pub cos_theta: [f64; LANES],
-    /// 1/μ_s of the hero.
+    /// Wavelength that flights and angles are drawn for, a whole number, and 1/μ_s of it.
+    pub hero: [f64; LANES],
     pub mean_free_path: [f64; LANES],
-    /// The next flight is drawn from `preset` + `drawn` × an even number: the first drawn at the entrance, later ones at random.
+    /// Even number that the first flight is drawn with; negative once it is over.
     pub preset: [f64; LANES],
-    pub drawn: [f64; LANES],
-    /// In mm: of the path so far, and since the weights were last worked out.
+    /// Of the path so far, mm.
     pub length: [f64; LANES],
-    pub since: [f64; LANES],
+    /// 1 once a particle was met; a number, to be as wide as the others.
+    pub scattered: [u64; LANES],
+    /// Reflections since the last particle.
+    pub reflections: [u64; LANES],
 }
 
 /// What one step of every lane met.
 #[derive(Default)]
 pub(super) struct Step {
-    /// 1 where a particle was met, 0 at the surface; a number, to be as wide as the others.
+    /// 1 where a particle was met, 0 at the surface.
     pub scatters: [u64; LANES],
-    /// Infinite where neither is ahead.
-    pub distance: [f64; LANES],
-    /// Of the surface there, and what it lets out; of no meaning where a particle was met.
+    /// Finite, mm.
+    pub length: [f64; LANES],
+    /// 1 where neither a particle nor a surface is ahead.
+    pub lost: [u64; LANES],
+    /// Fraction that leaves: 0 at a particle, and on the first flight, whose share has left already.
+    pub leaving: [f64; LANES],
+    /// Of the surface; of no meaning where a particle was met.
     pub normal: Lanes3,
     pub cos_i: [f64; LANES],
     pub cos_t: [f64; LANES],
-    pub transmittance: [f64; LANES],
-    /// Even numbers for the particle's angle, its azimuth, and roulette.
-    pub for_angle: [f64; LANES],
-    pub for_azimuth: [f64; LANES],
+    pub turns: Turns,
+    /// Even numbers for the azimuth of the turn, and roulette.
+    for_azimuth: [f64; LANES],
     pub for_roulette: [f64; LANES],
 }
 
@@ -53,22 +61,22 @@ impl Flights {
             stream,
             position: [[0.0; LANES]; 3],
             direction: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
-            cos_theta: [0.0; LANES],
+            hero: [0.0; LANES],
             mean_free_path: [1.0; LANES],
             preset: [0.0; LANES],
-            drawn: [0.0; LANES],
             length: [0.0; LANES],
-            since: [0.0; LANES],
+            scattered: [0; LANES],
+            reflections: [0; LANES],
         }
     }
 
     /// Every lane to its next particle or to the surface. The loops are apart because each then compiles to vectors.
     #[inline(always)]
-    pub fn fly<S: Shape>(&mut self, shape: &S, inverse_index: f64, step: &mut Step) {
-        let mut flight = [0.0; LANES];
+    pub fn fly<S: Shape>(&mut self, shape: &S, inverse_index: f64, angles: &Angles<'_>, step: &mut Step) {
+        let (mut flight, mut for_angle) = ([0.0; LANES], [0.0; LANES]);
         for numbers in [
             &mut flight,
-            &mut step.for_angle,
+            &mut for_angle,
             &mut step.for_azimuth,
             &mut step.for_roulette,
         ] {
@@ -76,43 +84,56 @@ impl Flights {
                 *number = unit(self.stream.next(i));
             }
         }
+        angles.fetch(&self.hero, &for_angle, &mut step.turns);
         for (i, flight) in flight.iter_mut().enumerate() {
-            let random = self.preset[i] + self.drawn[i] * *flight;
+            let preset = self.preset[i];
+            let random = if preset >= 0.0 { preset } else { *flight };
             *flight = -ln(1.0 - random) * self.mean_free_path[i];
         }
-        for (i, &flight) in flight.iter().enumerate() {
-            let p = [self.position[0][i], self.position[1][i], self.position[2][i]];
-            let d = [self.direction[0][i], self.direction[1][i], self.direction[2][i]];
-            let distance = shape.distance(p, d);
-            let scatters = flight < distance;
-            let length = if scatters { flight } else { distance };
+        let mut distance = [0.0; LANES];
+        for (i, distance) in distance.iter_mut().enumerate() {
+            *distance = shape.distance(at(&self.position, i), at(&self.direction, i));
+        }
+        for i in 0..LANES {
+            let scatters = flight[i] < distance[i];
+            let length = if scatters { flight[i] } else { distance[i] };
+            let (p, d) = (at(&self.position, i), at(&self.direction, i));
             let moved = [p[0] + d[0] * length, p[1] + d[1] * length, p[2] + d[2] * length];
             let [on, normal] = shape.surface(moved, d);
-            let cos_i = (d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2]).clamp(0.0, 1.0);
-            let Interface { reflectance, cos_t } = fresnel::interface(cos_i, inverse_index);
             for axis in 0..3 {
                 self.position[axis][i] = if scatters { moved[axis] } else { on[axis] };
                 step.normal[axis][i] = normal[axis];
             }
-            let length = if length < FAR_MM { length } else { FAR_MM };
-            self.length[i] += length;
-            self.since[i] += length;
-            self.preset[i] = 0.0;
-            self.drawn[i] = 1.0;
+            step.cos_i[i] = (d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2]).clamp(0.0, 1.0);
+            let ahead = length < FAR_MM;
+            let length = if ahead { length } else { FAR_MM };
+            step.length[i] = length;
+            step.lost[i] = u64::from(!ahead);
             step.scatters[i] = u64::from(scatters);
-            step.distance[i] = distance;
-            step.transmittance[i] = 1.0 - reflectance;
-            step.cos_i[i] = cos_i;
-            step.cos_t[i] = cos_t;
+            self.length[i] += length;
+            self.scattered[i] |= u64::from(scatters);
+            self.reflections[i] = if scatters { 0 } else { self.reflections[i] + 1 };
         }
+        for i in 0..LANES {
+            let Interface { reflectance, cos_t } = fresnel::interface(step.cos_i[i], inverse_index);
+            let stays = (step.scatters[i] == 1) | (step.lost[i] == 1) | (self.preset[i] >= 0.0);
+            step.leaving[i] = if stays { 0.0 } else { 1.0 - reflectance };
+            step.cos_t[i] = cos_t;
+            self.preset[i] = -1.0;
+        }
+        angles.draw(&mut step.turns);
     }
 
     /// New directions: mirrored at the surface, turned by a particle.
     #[inline(always)]
     pub fn turn(&mut self, step: &Step) {
+        let (mut sin, mut cos) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
-            let d = [self.direction[0][i], self.direction[1][i], self.direction[2][i]];
-            let turned = scatter(d, self.cos_theta[i], step.for_azimuth[i]);
+            (sin[i], cos[i]) = sin_cos_turns(step.for_azimuth[i]);
+        }
+        for i in 0..LANES {
+            let d = at(&self.direction, i);
+            let turned = scatter(d, step.turns.cos_theta[i], sin[i], cos[i]);
             let twice = 2.0 * step.cos_i[i];
             let scatters = step.scatters[i] == 1;
             for axis in 0..3 {
@@ -120,6 +141,40 @@ impl Flights {
                 self.direction[axis][i] = if scatters { turned[axis] } else { mirrored };
             }
         }
+    }
+}
+
+#[inline(always)]
+fn at(of: &Lanes3, lane: usize) -> [f64; 3] {
+    [of[0][lane], of[1][lane], of[2][lane]]
+}
+
+/// The lanes of which something holds.
+#[inline(always)]
+pub(super) fn lanes_where(holds: impl Fn(usize) -> bool) -> Mask {
+    let mut mask = 0;
+    for lane in 0..LANES {
+        mask |= Mask::from(holds(lane)) << lane;
+    }
+    mask
+}
+
+/// Goes through the lanes of a mask. Loops over it stand where closures would not be compiled for the instruction set of
+/// their surroundings.
+pub(super) struct LanesOf(pub Mask);
+
+impl Iterator for LanesOf {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        // The mask has no bits above the lanes; said for the compiler.
+        let lane = self.0.trailing_zeros() as usize % LANES;
+        self.0 &= self.0 - 1;
+        Some(lane)
     }
 }
 
@@ -134,11 +189,10 @@ pub(super) fn refract(direction: [f64; 3], normal: [f64; 3], cos_i: f64, cos_t: 
     ])
 }
 
-/// Turns a direction by the angle of cosine `cos_theta` to the side at `turns` of a full turn.
+/// Turns a direction by the angle of cosine `cos_theta` to the side at an azimuth.
 #[inline(always)]
-fn scatter([dx, dy, dz]: [f64; 3], cos_theta: f64, turns: f64) -> [f64; 3] {
+fn scatter([dx, dy, dz]: [f64; 3], cos_theta: f64, sin: f64, cos: f64) -> [f64; 3] {
     let sin_theta = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
-    let (sin, cos) = sin_cos_turns(turns);
     let (x, y) = (sin_theta * cos, sin_theta * sin);
     // Orthonormal basis without a branch on the direction (Duff et al. 2017).
     let sign = 1.0f64.copysign(dz);

@@ -1,10 +1,19 @@
 use super::TransportError;
-use super::angles::{Angle, Angles, common_tables};
+use super::angles::{Angles, Turns, common_tables};
 use crate::optics::Phase;
 use std::f64::consts::PI;
 
-/// Rows of wavelengths are padded to whole vectors of this many.
-const LANE_GROUP: usize = 8;
+/// Wavelengths side by side.
+pub(super) const GROUP: usize = 16;
+
+/// A quantity at a group of wavelengths: of one path in single precision, summed over paths in double.
+pub(super) type Single = [f32; GROUP];
+pub(super) type Double = [f64; GROUP];
+
+/// Scatterings on end without working out the weights, at most, so that trapped light meets roulette.
+const SCATTERINGS_AT_MOST: f64 = 32.0;
+/// How far products of density ratios may grow or shrink in between, well within single precision.
+const RANGE: f64 = 1e28;
 
 /// Scattering and absorption inside a body at one wavelength.
 #[derive(Clone, Copy, Debug)]
@@ -23,21 +32,23 @@ pub struct Interior<'a> {
     index: f64,
     wavelengths: usize,
     /// 1/mm, padded with 0.
-    mu_s: Vec<f64>,
-    mu_a: Vec<f64>,
+    mu_s: Vec<Single>,
+    mu_a: Vec<Single>,
     /// 1 for a wavelength, 0 for an empty place.
-    taken: Vec<f64>,
+    taken: Vec<Single>,
+    /// 1/μ_s of each wavelength, mm, and μ_a of the first, 1/mm.
+    mean_free_path: Vec<f64>,
+    first_mu_a: f64,
     angles: Angles<'a>,
     density: Density<'a>,
+    scatterings_at_most: u64,
 }
 
 /// μ_s p(θ) of every wavelength, up to a factor that is the same for all.
 #[derive(Clone, Debug)]
 enum Density<'a> {
-    /// One wavelength: a ratio of densities is never needed.
-    Single,
-    /// At the nodes that all tables share; each row holds every wavelength.
-    Rows(Vec<f64>),
+    /// At the nodes that all tables share, one after the other; all the groups at each.
+    Rows(Vec<Single>),
     /// From the phase functions themselves, times these factors.
     Functions(Vec<(&'a Phase, f64)>),
 }
@@ -86,11 +97,14 @@ impl<'a> Interior<'a> {
         Ok(Self {
             index,
             wavelengths: wavelengths.len(),
-            mu_s: padded(wavelengths.iter().map(|c| c.mu_s)),
-            mu_a: padded(wavelengths.iter().map(|c| c.mu_a)),
-            taken: padded(wavelengths.iter().map(|_| 1.0)),
+            mu_s: grouped(wavelengths.iter().map(|c| c.mu_s as f32)),
+            mu_a: grouped(wavelengths.iter().map(|c| c.mu_a as f32)),
+            taken: grouped(wavelengths.iter().map(|_| 1.0)),
+            mean_free_path: wavelengths.iter().map(|c| 1.0 / c.mu_s).collect(),
+            first_mu_a: wavelengths[0].mu_a,
             angles: Angles::new(&phases),
             density: Density::new(&phases, wavelengths),
+            scatterings_at_most: scatterings_at_most(wavelengths),
         })
     }
 
@@ -103,43 +117,55 @@ impl<'a> Interior<'a> {
         self.index
     }
 
-    /// Wavelengths and empty places to a multiple of 8.
-    pub(super) fn width(&self) -> usize {
-        self.mu_s.len()
-    }
-
-    pub(super) fn mu_s(&self) -> &[f64] {
+    pub(super) fn mu_s(&self) -> &[Single] {
         &self.mu_s
     }
 
-    pub(super) fn mu_a(&self) -> &[f64] {
+    pub(super) fn mu_a(&self) -> &[Single] {
         &self.mu_a
     }
 
-    pub(super) fn taken(&self) -> &[f64] {
+    pub(super) fn first_mu_a(&self) -> f64 {
+        self.first_mu_a
+    }
+
+    pub(super) fn taken(&self) -> &[Single] {
         &self.taken
+    }
+
+    pub(super) fn mean_free_path(&self) -> &[f64] {
+        &self.mean_free_path
     }
 
     pub(super) fn angles(&self) -> &Angles<'a> {
         &self.angles
     }
 
-    /// Multiplies each wavelength's `share` by its μ_s p(θ).
+    /// After so many scatterings the weights must be worked out before their products leave the range of numbers.
+    pub(super) fn scatterings_at_most(&self) -> u64 {
+        self.scatterings_at_most
+    }
+
+    /// Multiplies each wavelength's `share` by its μ_s p(θ) over that of the hero.
     #[inline(always)]
-    pub(super) fn weigh(&self, angle: &Angle, share: &mut [f64]) {
+    pub(super) fn weigh(&self, hero: usize, turns: &Turns, lane: usize, share: &mut [Single]) {
         match &self.density {
-            Density::Single => {}
             Density::Rows(rows) => {
-                let width = share.len();
-                let low = &rows[angle.interval * width..(angle.interval + 1) * width];
-                let high = &rows[(angle.interval + 1) * width..(angle.interval + 2) * width];
+                let first = turns.interval[lane] as usize * share.len();
+                let (low, high) = rows[first..first + 2 * share.len()].split_at(share.len());
+                let place = turns.place[lane] as f32;
+                let (group, within) = (hero / GROUP, hero % GROUP);
+                let inverse = 1.0 / between(low[group][within], high[group][within], place);
                 for ((share, low), high) in share.iter_mut().zip(low).zip(high) {
-                    *share *= low + angle.place * (high - low);
+                    *share = weighed(*share, *low, *high, place, inverse);
                 }
             }
             Density::Functions(functions) => {
-                let places = share.iter_mut().zip(functions);
-                places.for_each(|(share, (phase, factor))| *share *= factor * phase.pdf(angle.cos_theta));
+                let cos_theta = turns.cos_theta[lane];
+                let (phase, factor) = functions[hero];
+                let inverse = 1.0 / (factor * phase.pdf(cos_theta));
+                let places = share.as_flattened_mut().iter_mut().zip(functions);
+                places.for_each(|(share, (phase, factor))| *share *= (factor * phase.pdf(cos_theta) * inverse) as f32);
             }
         }
     }
@@ -147,16 +173,16 @@ impl<'a> Interior<'a> {
 
 impl<'a> Density<'a> {
     fn new(phases: &[&'a Phase], wavelengths: &[Coefficients<'_>]) -> Self {
-        if phases.len() == 1 {
-            return Self::Single;
-        }
-        // Keeps products over many scatterings near 1.
+        // Keeps the factors near 1.
         let largest = wavelengths.iter().map(|c| c.mu_s).fold(f64::MIN_POSITIVE, f64::max);
         let factors = wavelengths.iter().map(|c| 4.0 * PI * c.mu_s / largest);
         match common_tables(phases) {
             Some((nodes, tables)) => {
                 let factors: Vec<f64> = factors.collect();
-                let row = |node: usize| padded(tables.iter().zip(&factors).map(move |(t, f)| f * t.density()[node]));
+                let row = |node: usize| {
+                    let densities = tables.iter().zip(&factors);
+                    grouped(densities.map(move |(t, f)| (f * t.density()[node]) as f32))
+                };
                 Self::Rows((0..nodes).flat_map(row).collect())
             }
             None => Self::Functions(phases.iter().copied().zip(factors).collect()),
@@ -164,8 +190,43 @@ impl<'a> Density<'a> {
     }
 }
 
-fn padded(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.resize(values.len().next_multiple_of(LANE_GROUP), 0.0);
-    values
+#[inline(always)]
+fn between(low: f32, high: f32, place: f32) -> f32 {
+    low + place * (high - low)
+}
+
+/// Values in, values out, so that the compiler knows the rows to be apart and uses vectors.
+#[inline(always)]
+fn weighed(share: Single, low: Single, high: Single, place: f32, inverse: f32) -> Single {
+    let mut result = share;
+    for i in 0..GROUP {
+        result[i] = share[i] * (between(low[i], high[i], place) * inverse);
+    }
+    result
+}
+
+/// As many factors of the largest ratio between two wavelengths' μ_s p(θ) as stay within [`RANGE`].
+fn scatterings_at_most(wavelengths: &[Coefficients<'_>]) -> u64 {
+    const ANGLES: usize = 1000;
+    let ratio = (0..=ANGLES)
+        .map(|i| {
+            let t = i as f64 / ANGLES as f64;
+            let cos_theta = 1.0 - 2.0 * t * t;
+            let densities = wavelengths.iter().map(|c| c.mu_s * c.phase.pdf(cos_theta));
+            let (least, most) = densities
+                .filter(|&density| density > 0.0)
+                .fold((f64::MAX, f64::MIN_POSITIVE), |(least, most), d| {
+                    (least.min(d), most.max(d))
+                });
+            most / least
+        })
+        .fold(1.0, f64::max);
+    (RANGE.ln() / ratio.ln()).clamp(1.0, SCATTERINGS_AT_MOST) as u64
+}
+
+/// Groups of values, the last filled up with 0.
+fn grouped<T: Copy + Default>(values: impl Iterator<Item = T>) -> Vec<[T; GROUP]> {
+    let values: Vec<T> = values.collect();
+    let group = |part: &[T]| std::array::from_fn(|i| part.get(i).copied().unwrap_or_default());
+    values.chunks(GROUP).map(group).collect()
 }

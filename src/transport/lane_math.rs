@@ -33,6 +33,12 @@ const LN: [f64; 7] = [
     0.1533149778859185,
     0.14619096121623418,
 ];
+/// The same for single precision: 1.5 · 2²³, ln 2 in two parts, the first of 12 bits, and (eʳ − 1 − r)/r².
+const ROUND_SINGLE: f32 = 12_582_912.0;
+const LN_2_HIGH_SINGLE: f32 = 0.693_359_4;
+const LN_2_LOW_SINGLE: f32 = -2.121_944_4e-4;
+const EXP_SINGLE: [f32; 5] = [0.5, 0.166_665_76, 0.041_666_556, 0.008_363_179, 0.001_392_618_4];
+const SINGLE_RANGE: f32 = 80.0;
 /// Below it exp is taken as 0; the smallest normal number is e^−708.4.
 const LEAST_EXPONENT: f64 = -708.0;
 
@@ -58,6 +64,36 @@ pub(super) fn exp(x: f64) -> f64 {
     // The low bits of `shifted` are k in two's complement: moved to the exponent they multiply by 2ᵏ.
     let scaled = f64::from_bits(e.to_bits().wrapping_add(shifted.to_bits() << 52));
     if x > LEAST_EXPONENT { scaled } else { 0.0 }
+}
+
+/// 2ᵏ and eʳ − 1 of eˣ = 2ᵏ eʳ, |r| ≤ ln 2 / 2, in single precision for |x| ≤ 80; beyond, of the limit.
+#[inline(always)]
+fn exp_parts(x: f32) -> (f32, f32) {
+    let x = x.clamp(-SINGLE_RANGE, SINGLE_RANGE);
+    let shifted = x.mul_add(LOG2_E as f32, ROUND_SINGLE);
+    let k = shifted - ROUND_SINGLE;
+    let r = k.mul_add(-LN_2_LOW_SINGLE, k.mul_add(-LN_2_HIGH_SINGLE, x));
+    let mut p = EXP_SINGLE[4];
+    p = p.mul_add(r, EXP_SINGLE[3]);
+    p = p.mul_add(r, EXP_SINGLE[2]);
+    p = p.mul_add(r, EXP_SINGLE[1]);
+    p = p.mul_add(r, EXP_SINGLE[0]);
+    let scale = f32::from_bits(1f32.to_bits().wrapping_add(shifted.to_bits() << 23));
+    (scale, (p * r).mul_add(r, r))
+}
+
+/// eˣ, relative error below 2e-7.
+#[inline(always)]
+pub(super) fn exp_single(x: f32) -> f32 {
+    let (scale, rest) = exp_parts(x);
+    scale.mul_add(rest, scale)
+}
+
+/// 1 − eˣ, relative error below 4e-7.
+#[inline(always)]
+pub(super) fn loss_single(x: f32) -> f32 {
+    let (scale, rest) = exp_parts(x);
+    scale.mul_add(-rest, 1.0 - scale)
 }
 
 /// ln x for normal x > 0, error below 3e-16 relative to max(|ln x|, 1 − x).
@@ -127,7 +163,7 @@ mod tests {
 
     #[test]
     fn agree_with_the_standard_library() {
-        let mut worst = [0.0f64; 4];
+        let mut worst = [0.0f64; 6];
         for i in 0..200_000 {
             let u = (i as f64 + 0.5) / 200_000.0;
             for x in [-708.0 * u, -40.0 * u, -u, -1e-6 * u, 700.0 * u] {
@@ -136,6 +172,11 @@ mod tests {
             for x in [u, 1e-8 * u, 1.0 - 1e-6 * u, 1e-300 * u] {
                 worst[1] = worst[1].max((ln(x) - x.ln()).abs() / x.ln().abs().max(1.0 - x));
             }
+            for x in [-80.0 * u, 80.0 * u, -u, -1e-6 * u] {
+                let x = x as f32;
+                worst[4] = worst[4].max((f64::from(exp_single(x)) / f64::from(x).exp() - 1.0).abs());
+                worst[5] = worst[5].max((f64::from(loss_single(x)) / -f64::from(x).exp_m1() - 1.0).abs());
+            }
             let (s, c) = sin_cos_turns(u);
             let (s0, c0) = (TAU * u).sin_cos();
             worst[2] = worst[2].max((s - s0).abs()).max((c - c0).abs());
@@ -143,6 +184,12 @@ mod tests {
         }
         assert!(worst[0] < 5e-16, "exp {:e}", worst[0]);
         assert!(worst[1] < 4e-16, "ln {:e}", worst[1]);
+        assert!(
+            worst[4] < 2e-7 && worst[5] < 4e-7,
+            "exp, loss in single precision {:e} {:e}",
+            worst[4],
+            worst[5]
+        );
         // The reference's own argument 2πu is rounded to 4e-16.
         assert!(
             worst[2] < 9e-16 && worst[3] < 6e-16,

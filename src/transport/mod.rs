@@ -6,18 +6,20 @@ mod flights;
 mod interior;
 mod lane_math;
 mod ledger;
+mod plain;
 mod shape;
 mod spectral;
 mod statistics;
 mod stream;
 mod walk;
+mod weights;
 
 pub use interior::{Coefficients, Interior};
 pub use ledger::{Ledger, LedgerEntry};
 pub use shape::{Cylinder, Shape, Slab};
 pub use statistics::{BatchSums, Estimate};
 pub use stream::{Purpose, Stream};
-pub use walk::{ENTRY_COORDINATES, Entry, Exit, Roulette, Walk};
+pub use walk::{ENTRY_COORDINATES, Entry, Exit, Roulette, Traced, Walk};
 
 /// What is wrong with an input of the transport.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,270 +1,367 @@
-use super::angles::Angle;
-use super::flights::LANES;
-use super::lane_math;
-use super::{Interior, Ledger};
+use super::entrance::Entrance;
+use super::flights::{Flights, LANES, LanesOf, Mask, Step, lanes_where};
+use super::interior::{Double, GROUP, Single};
+use super::lane_math::{exp_single, loss_single};
+use super::weights::{REFLECTIONS_IN_A_ROW, Weights};
+use super::{Interior, Ledger, Roulette};
+use std::ops::{Add, Mul};
 
-/// What the paths under way carry at every wavelength, and the sums of what became of it. Rows of wavelengths are padded
-/// as those of the [`Interior`] are.
+/// Paths that all wavelengths share, one after the other with the wavelengths side by side.
+///
+/// What one path carries is reckoned in single precision, to parts in 10⁶, which is twice the wavelengths in a vector;
+/// sums over paths are in double precision.
 pub(super) struct Spectral {
-    width: usize,
     wavelengths: usize,
-    /// Balance heuristic of each lane, up to a factor between evaluations.
-    share: Vec<f64>,
+    groups: usize,
+    /// Balance heuristic of each lane as last worked out, times the ratios of densities to the hero's since.
+    share: Vec<Single>,
     /// 1/P of each lane's wavelengths as heroes, P being the probability to do anything but cross on the first flight.
-    inverse_reach: Vec<f64>,
-    /// exp(−μ_a L) of each lane at the last evaluation.
-    survived: Vec<f64>,
-    /// Result of the last evaluation.
-    weights: Vec<f64>,
-    scratch: [Vec<f64>; 2],
-    ballistic: Vec<f64>,
-    scattered: Vec<f64>,
-    absorbed: Vec<f64>,
-    roulette: Vec<f64>,
+    inverse_reach: Vec<Single>,
+    /// exp(−μ_a L) of each lane as last worked out.
+    survived: Vec<Single>,
+    /// What the path in hand carries, and what of it leaves.
+    carried: Vec<Single>,
+    weights: Vec<Double>,
+    ballistic: Vec<Double>,
+    scattered: Vec<Double>,
+    absorbed: Vec<Double>,
+    roulette: Vec<Double>,
+    alive: Mask,
+    /// What Fresnel and roulette have left, the same at every wavelength.
+    common: [f64; LANES],
+    floor: [f64; LANES],
+    /// Since the weights were last worked out: length, mm, and scatterings.
+    since: [f64; LANES],
+    scatterings: [u64; LANES],
 }
 
-impl Spectral {
-    pub fn new(interior: &Interior<'_>) -> Self {
-        let width = interior.width();
-        let zeros = || vec![0.0; width];
-        let of_lanes = || vec![0.0; width * LANES];
+impl Weights for Spectral {
+    fn new(interior: &Interior<'_>) -> Self {
+        let groups = interior.mu_s().len();
+        let sums = || vec![[0.0; GROUP]; groups];
         Self {
-            width,
             wavelengths: interior.wavelengths(),
-            share: of_lanes(),
-            inverse_reach: of_lanes(),
-            survived: of_lanes(),
-            weights: zeros(),
-            scratch: [zeros(), zeros()],
-            ballistic: zeros(),
-            scattered: zeros(),
-            absorbed: zeros(),
-            roulette: zeros(),
+            groups,
+            share: vec![[0.0; GROUP]; groups * LANES],
+            inverse_reach: vec![[0.0; GROUP]; groups * LANES],
+            survived: vec![[0.0; GROUP]; groups * LANES],
+            carried: vec![[0.0; GROUP]; groups],
+            weights: sums(),
+            ballistic: sums(),
+            scattered: sums(),
+            absorbed: sums(),
+            roulette: sums(),
+            alive: 0,
+            common: [0.0; LANES],
+            floor: [0.0; LANES],
+            since: [0.0; LANES],
+            scatterings: [0; LANES],
         }
     }
 
-    /// Fractions of the path's incident flux at each wavelength, as last worked out.
     #[inline(always)]
-    pub fn weights(&self) -> &[f64] {
-        &self.weights[..self.wavelengths]
+    fn prepare(&mut self, _: &Interior<'_>, _: &Entrance) {}
+
+    #[inline(always)]
+    fn begin(&mut self, interior: &Interior<'_>, entrance: &Entrance, place: usize, lane: usize, hero: usize) -> f64 {
+        let entering = 1.0 - entrance.reflectance[place];
+        let chord_mm = single(entrance.chord_mm[place]);
+        let transmittance = entrance.transmittance[place] as f32;
+        let crossing = entering as f32 * transmittance;
+        let row = lane * self.groups..(lane + 1) * self.groups;
+        let share = &mut self.share[row.clone()];
+        let inverse_reaches = &mut self.inverse_reach[row.clone()];
+        let mut total = [0.0; GROUP];
+        for (group, inverse_reach) in inverse_reaches.iter_mut().enumerate() {
+            let met = losses(interior.mu_s()[group], chord_mm);
+            let straight = scaled(remainder(met), crossing);
+            let absorbed = double(product(straight, losses(interior.mu_a()[group], chord_mm)));
+            let weights = minus(double(straight), absorbed);
+            self.weights[group] = weights;
+            self.ballistic[group] = plus(self.ballistic[group], weights);
+            self.absorbed[group] = plus(self.absorbed[group], absorbed);
+            *inverse_reach = inverse_of_reach(met, interior.taken()[group], transmittance);
+            total = plus(total, *inverse_reach);
+        }
+        let even = self.wavelengths as f32 / sum(total);
+        for (share, taken) in share.iter_mut().zip(interior.taken()) {
+            *share = scaled(*taken, even);
+        }
+        self.survived[row].fill([1.0; GROUP]);
+        self.common[lane] = entering;
+        self.floor[lane] = entering;
+        self.since[lane] = 0.0;
+        self.scatterings[lane] = 0;
+        let inverse = f64::from(inverse_reaches.as_flattened()[hero]);
+        let reach = if inverse > 0.0 { 1.0 / inverse } else { 0.0 };
+        self.alive |= Mask::from(reach > 0.0) << lane;
+        reach
     }
 
-    /// Begins a path: `weights` becomes the light that crosses unscattered. Returns 1/P of the hero; 0 if nothing else can
-    /// happen.
     #[inline(always)]
-    pub fn begin(
+    fn crossing(&self) -> &[f64] {
+        &self.weights.as_flattened()[..self.wavelengths]
+    }
+
+    #[inline(always)]
+    fn meet(
         &mut self,
         interior: &Interior<'_>,
-        lane: usize,
-        hero: usize,
-        entering: f64,
-        transmittance: f64,
-        chord_mm: f64,
-    ) -> f64 {
-        let row = lane * self.width..(lane + 1) * self.width;
-        let [unscattered, unabsorbed] = &mut self.scratch;
-        attenuation(unscattered, interior.mu_s(), 0.0, chord_mm);
-        attenuation(unabsorbed, interior.mu_a(), 0.0, chord_mm);
-        let inverse_reach = &mut self.inverse_reach[row.clone()];
-        reaches(inverse_reach, unscattered, interior.taken(), transmittance);
-        cross(
-            &mut self.weights,
-            &mut self.ballistic,
-            &mut self.absorbed,
-            unscattered,
-            unabsorbed,
-            entering * transmittance,
-        );
-        let even = self.wavelengths as f64 / sum(inverse_reach);
-        let inverse = inverse_reach[hero];
-        let share = self.share[row.clone()].iter_mut().zip(interior.taken());
-        share.for_each(|(share, taken)| *share = even * taken);
-        self.survived[row].fill(1.0);
-        inverse
-    }
-
-    /// A particle turned the lane's path.
-    #[inline(always)]
-    pub fn scatter(&mut self, interior: &Interior<'_>, lane: usize, angle: &Angle) {
-        interior.weigh(angle, &mut self.share[lane * self.width..(lane + 1) * self.width]);
-    }
-
-    /// Works out `weights`, what the path carries at each wavelength after `since_mm` more, counts what was absorbed, and
-    /// returns the largest weight. `common` is what Fresnel and roulette have left.
-    #[inline(always)]
-    pub fn evaluate(&mut self, interior: &Interior<'_>, lane: usize, hero: usize, common: f64, since_mm: f64) -> f64 {
-        let row = lane * self.width..(lane + 1) * self.width;
-        let share = &mut self.share[row.clone()];
-        let [factor, product] = &mut self.scratch;
-        let mut balance = 1.0;
-        if self.wavelengths > 1 {
-            attenuation(factor, interior.mu_s(), interior.mu_s()[hero], since_mm);
-            weigh(share, product, factor, &self.inverse_reach[row.clone()]);
-            balance = self.wavelengths as f64 / sum(product);
+        rule: &Roulette,
+        flights: &Flights,
+        step: &Step,
+        mut tell: impl FnMut(usize, &[f64]),
+    ) -> Mask {
+        let alive = self.alive;
+        for lane in LanesOf(alive & lanes_where(|lane| step.scatters[lane] == 1)) {
+            let share = &mut self.share[lane * self.groups..(lane + 1) * self.groups];
+            interior.weigh(flights.hero[lane] as usize, &step.turns, lane, share);
         }
-        attenuation(factor, interior.mu_a(), 0.0, since_mm);
-        carry(
-            share,
-            &mut self.survived[row],
-            &mut self.absorbed,
-            &mut self.weights,
-            factor,
-            balance,
-            common,
-        );
-        largest(&self.weights)
+        let at_most = interior.scatterings_at_most();
+        for i in 0..LANES {
+            self.since[i] += step.length[i];
+            self.scatterings[i] += step.scatters[i];
+        }
+        let due = lanes_where(|lane| {
+            (step.leaving[lane] > 0.0)
+                | (self.scatterings[lane] >= at_most)
+                | (flights.reflections[lane] >= REFLECTIONS_IN_A_ROW)
+                | (step.lost[lane] == 1)
+        });
+        for lane in LanesOf(alive & due) {
+            let largest = self.evaluate(interior, flights.hero[lane] as usize, lane);
+            let out = step.leaving[lane];
+            if out > 0.0 {
+                let sums = if flights.scattered[lane] == 1 {
+                    &mut self.scattered
+                } else {
+                    &mut self.ballistic
+                };
+                for ((sums, weights), carried) in sums.iter_mut().zip(&mut self.weights).zip(&self.carried) {
+                    *weights = scaled(double(*carried), out);
+                    *sums = plus(*sums, *weights);
+                }
+                tell(lane, &self.weights.as_flattened()[..self.wavelengths]);
+            }
+            let kept = 1.0 - out;
+            if step.lost[lane] == 1 {
+                // Neither a particle nor a surface ahead: what is left is absorbed on the way to infinity.
+                count(&mut self.absorbed, &self.carried, 1.0);
+                self.alive &= !(1 << lane);
+                continue;
+            }
+            let reflections = flights.reflections[lane];
+            let worth = rule.worth(largest * kept, self.floor[lane], reflections, step.for_roulette[lane]);
+            if worth != 1.0 {
+                count(&mut self.roulette, &self.carried, kept * (1.0 - worth));
+            }
+            self.common[lane] *= kept * worth;
+            self.alive &= !(Mask::from(largest * kept * worth <= 0.0) << lane);
+        }
+        self.alive
     }
 
-    /// Lets a part of the weights out; they are then what left.
-    #[inline(always)]
-    pub fn leave(&mut self, transmittance: f64, scattered: bool) {
-        let sums = if scattered {
-            &mut self.scattered
-        } else {
-            &mut self.ballistic
-        };
-        let_out(sums, &mut self.weights, transmittance);
-    }
-
-    /// Counts `factor` × the weights as taken by roulette.
-    #[inline(always)]
-    pub fn take(&mut self, factor: f64) {
-        add(&mut self.roulette, &self.weights, factor);
-    }
-
-    /// Counts the weights as absorbed.
-    #[inline(always)]
-    pub fn absorb(&mut self) {
-        add(&mut self.absorbed, &self.weights, 1.0);
-    }
-
-    pub fn ledgers(&self, reflected: f64) -> Vec<Ledger> {
+    fn ledgers(&self, reflected: f64) -> Vec<Ledger> {
+        let [ballistic, scattered, absorbed, roulette] =
+            [&self.ballistic, &self.scattered, &self.absorbed, &self.roulette].map(|sums| sums.as_flattened());
         (0..self.wavelengths)
             .map(|w| Ledger {
                 reflected,
-                ballistic: self.ballistic[w],
-                scattered: self.scattered[w],
-                absorbed: self.absorbed[w],
-                roulette: self.roulette[w],
+                ballistic: ballistic[w],
+                scattered: scattered[w],
+                absorbed: absorbed[w],
+                roulette: roulette[w],
             })
             .collect()
     }
 }
 
-// The loops over wavelengths stand in functions of their own because slices that come as arguments are known not to
-// overlap: only then do the loops compile to vectors without a check each time.
-
-/// exp(−(μ − `less`) x) of every wavelength.
-#[inline(always)]
-fn attenuation(result: &mut [f64], mu: &[f64], less: f64, x: f64) {
-    for (result, mu) in result.iter_mut().zip(mu) {
-        *result = lane_math::exp((less - mu) * x);
-    }
-}
-
-/// 1/P, P = 1 − T exp(−μ_s c) in a form that does not cancel; 0 where P or the place is empty.
-#[inline(always)]
-fn reaches(inverse_reach: &mut [f64], unscattered: &[f64], taken: &[f64], transmittance: f64) {
-    for ((inverse, unscattered), taken) in inverse_reach.iter_mut().zip(unscattered).zip(taken) {
-        let reach = (1.0 - transmittance) + transmittance * (1.0 - unscattered);
-        *inverse = if reach > 0.0 { taken / reach } else { 0.0 };
-    }
-}
-
-#[inline(always)]
-fn cross(
-    weights: &mut [f64],
-    ballistic: &mut [f64],
-    absorbed: &mut [f64],
-    unscattered: &[f64],
-    unabsorbed: &[f64],
-    crossing: f64,
-) {
-    let n = weights.len();
-    let (ballistic, absorbed) = (&mut ballistic[..n], &mut absorbed[..n]);
-    let (unscattered, unabsorbed) = (&unscattered[..n], &unabsorbed[..n]);
-    for i in 0..n {
-        let straight = crossing * unscattered[i];
-        let leaving = straight * unabsorbed[i];
-        weights[i] = leaving;
-        ballistic[i] += leaving;
-        absorbed[i] += straight - leaving;
-    }
-}
-
-#[inline(always)]
-fn weigh(share: &mut [f64], product: &mut [f64], factor: &[f64], inverse_reach: &[f64]) {
-    let n = share.len();
-    let (product, factor, inverse_reach) = (&mut product[..n], &factor[..n], &inverse_reach[..n]);
-    for i in 0..n {
-        let now = share[i] * factor[i];
-        share[i] = now;
-        product[i] = now * inverse_reach[i];
-    }
-}
-
-#[inline(always)]
-fn carry(
-    share: &mut [f64],
-    survived: &mut [f64],
-    absorbed: &mut [f64],
-    weights: &mut [f64],
-    factor: &[f64],
-    balance: f64,
-    common: f64,
-) {
-    let n = share.len();
-    let (survived, absorbed) = (&mut survived[..n], &mut absorbed[..n]);
-    let (weights, factor) = (&mut weights[..n], &factor[..n]);
-    for i in 0..n {
-        // A wavelength out of the race stays out, before its share becomes a slow denormal number.
-        let balanced = share[i] * balance;
-        let balanced = if balanced > 1e-250 { balanced } else { 0.0 };
-        let (carried, before) = (common * balanced, survived[i]);
-        let now = before * factor[i];
-        let weight = carried * now;
-        share[i] = balanced;
-        survived[i] = now;
-        absorbed[i] += carried * before - weight;
-        weights[i] = weight;
-    }
-}
-
-#[inline(always)]
-fn let_out(sums: &mut [f64], weights: &mut [f64], transmittance: f64) {
-    for (sum, weight) in sums.iter_mut().zip(weights) {
-        *weight *= transmittance;
-        *sum += *weight;
-    }
-}
-
-#[inline(always)]
-fn add(sums: &mut [f64], weights: &[f64], factor: f64) {
-    for (sum, weight) in sums.iter_mut().zip(weights) {
-        *sum += factor * weight;
-    }
-}
-
-/// Sum in a fixed order that suits vectors; the length is a multiple of 8.
-#[inline(always)]
-fn sum(values: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    for chunk in values.chunks_exact(8) {
-        for (sum, x) in sums.iter_mut().zip(chunk) {
-            *sum += x;
+impl Spectral {
+    /// Works out what the path carries at each wavelength, counts what was absorbed since the last time, and returns the
+    /// largest weight.
+    #[inline(always)]
+    fn evaluate(&mut self, interior: &Interior<'_>, hero: usize, lane: usize) -> f64 {
+        let row = lane * self.groups..(lane + 1) * self.groups;
+        let since = single(self.since[lane]);
+        self.since[lane] = 0.0;
+        self.scatterings[lane] = 0;
+        let share = &mut self.share[row.clone()];
+        let mu_s = interior.mu_s();
+        let hero_mu_s = mu_s[hero / GROUP][hero % GROUP];
+        let mut total = [0.0; GROUP];
+        for ((share, mu_s), inverse_reach) in share.iter_mut().zip(mu_s).zip(&self.inverse_reach[row.clone()]) {
+            let flown = density_ratio(*mu_s, hero_mu_s, since);
+            let now = product(*share, flown);
+            *share = now;
+            total = plus(total, product(now, *inverse_reach));
         }
+        let balance = self.wavelengths as f32 / sum(total);
+        let common = self.common[lane] as f32;
+        let mut largest = [0.0; GROUP];
+        for (group, (share, survived)) in share.iter_mut().zip(&mut self.survived[row]).enumerate() {
+            let now = balanced(*share, balance);
+            *share = now;
+            let before = product(scaled(now, common), *survived);
+            let lost = losses(interior.mu_a()[group], since);
+            let kept = remainder(lost);
+            *survived = product(*survived, kept);
+            let carried = product(before, kept);
+            self.carried[group] = carried;
+            self.absorbed[group] = plus(self.absorbed[group], double(product(before, lost)));
+            largest = larger(largest, carried);
+        }
+        f64::from(top(largest))
     }
-    ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]))
 }
 
-/// Largest of values ≥ 0; the length is a multiple of 8.
+// The functions on groups take and give values: everything is then read before anything is written, without which the
+// compiler would not know that the rows are apart and could not use vectors.
+
+/// A length, finite.
 #[inline(always)]
-fn largest(values: &[f64]) -> f64 {
-    let mut best = [0.0; 8];
-    for chunk in values.chunks_exact(8) {
-        for (best, &x) in best.iter_mut().zip(chunk) {
-            *best = if x > *best { x } else { *best };
-        }
+fn single(length_mm: f64) -> f32 {
+    length_mm.min(f64::from(f32::MAX)) as f32
+}
+
+/// 1 − exp(−μ x) of a group.
+#[inline(always)]
+fn losses(mu: Single, x: f32) -> Single {
+    let mut result = [0.0; GROUP];
+    for i in 0..GROUP {
+        result[i] = loss_single(-mu[i] * x);
     }
-    best.iter().fold(0.0, |a, &b| if b > a { b } else { a })
+    result
+}
+
+#[inline(always)]
+fn remainder(lost: Single) -> Single {
+    let mut result = [0.0; GROUP];
+    for i in 0..GROUP {
+        result[i] = 1.0 - lost[i];
+    }
+    result
+}
+
+/// exp((μ_hero − μ) x): what flying on without meeting a particle makes of the ratio of densities.
+#[inline(always)]
+fn density_ratio(mu_s: Single, hero_mu_s: f32, x: f32) -> Single {
+    let mut result = [0.0; GROUP];
+    for i in 0..GROUP {
+        result[i] = exp_single((hero_mu_s - mu_s[i]) * x);
+    }
+    result
+}
+
+/// 1/P, P = 1 − T exp(−μ_s c) = (1 − T) + T (1 − exp(−μ_s c)), which does not cancel; 0 where P or the place is empty.
+#[inline(always)]
+fn inverse_of_reach(met: Single, taken: Single, transmittance: f32) -> Single {
+    let mut result = [0.0; GROUP];
+    for i in 0..GROUP {
+        let reach = (1.0 - transmittance) + transmittance * met[i];
+        result[i] = if reach > 0.0 { taken[i] / reach } else { 0.0 };
+    }
+    result
+}
+
+/// Balance heuristics from shares; a wavelength out of the race stays out, before its share becomes a slow denormal number.
+#[inline(always)]
+fn balanced(share: Single, balance: f32) -> Single {
+    let mut result = [0.0; GROUP];
+    for i in 0..GROUP {
+        let share = share[i] * balance;
+        result[i] = if share > 1e-30 { share } else { 0.0 };
+    }
+    result
+}
+
+#[inline(always)]
+fn double(values: Single) -> Double {
+    let mut result = [0.0; GROUP];
+    for i in 0..GROUP {
+        result[i] = f64::from(values[i]);
+    }
+    result
+}
+
+#[inline(always)]
+fn product<T: Copy + Mul<Output = T>>(a: [T; GROUP], b: [T; GROUP]) -> [T; GROUP] {
+    let mut result = a;
+    for i in 0..GROUP {
+        result[i] = a[i] * b[i];
+    }
+    result
+}
+
+#[inline(always)]
+fn scaled<T: Copy + Mul<Output = T>>(a: [T; GROUP], factor: T) -> [T; GROUP] {
+    let mut result = a;
+    for i in 0..GROUP {
+        result[i] = a[i] * factor;
+    }
+    result
+}
+
+#[inline(always)]
+fn plus<T: Copy + Add<Output = T>>(a: [T; GROUP], b: [T; GROUP]) -> [T; GROUP] {
+    let mut result = a;
+    for i in 0..GROUP {
+        result[i] = a[i] + b[i];
+    }
+    result
+}
+
+#[inline(always)]
+fn minus(a: Double, b: Double) -> Double {
+    let mut result = a;
+    for i in 0..GROUP {
+        result[i] = a[i] - b[i];
+    }
+    result
+}
+
+#[inline(always)]
+fn larger(a: Single, b: Single) -> Single {
+    let mut result = a;
+    for i in 0..GROUP {
+        result[i] = if b[i] > a[i] { b[i] } else { a[i] };
+    }
+    result
+}
+
+#[inline(always)]
+fn count(sums: &mut [Double], carried: &[Single], factor: f64) {
+    for (sums, carried) in sums.iter_mut().zip(carried) {
+        *sums = plus(*sums, scaled(double(*carried), factor));
+    }
+}
+
+#[inline(always)]
+fn top(values: Single) -> f32 {
+    let mut best = values;
+    let mut half = GROUP / 2;
+    while half > 0 {
+        for i in 0..half {
+            best[i] = if best[i + half] > best[i] {
+                best[i + half]
+            } else {
+                best[i]
+            };
+        }
+        half /= 2;
+    }
+    best[0]
+}
+
+/// Sum in a fixed order that suits vectors.
+#[inline(always)]
+fn sum(values: Single) -> f32 {
+    let mut part = values;
+    let mut half = GROUP / 2;
+    while half > 0 {
+        for i in 0..half {
+            part[i] += part[i + half];
+        }
+        half /= 2;
+    }
+    part[0]
 }

@@ -1,8 +1,9 @@
-use super::angles::Angle;
 use super::entrance::Entrance;
-use super::flights::{Flights, LANES, Lanes3, Step, refract};
+use super::flights::{Flights, LANES, Lanes3, LanesOf, Mask, Step, lanes_where, refract};
+use super::plain::Plain;
 use super::spectral::Spectral;
 use super::stream::LaneStream;
+use super::weights::{REFLECTIONS_IN_A_ROW, Weights};
 use super::{Interior, Ledger, Shape, TransportError};
 use crate::geometry::Vec3;
 use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::Rng};
@@ -35,6 +36,15 @@ impl Roulette {
         }
         Ok(Self { threshold, survival })
     }
+
+    /// What a path is worth after its turn: 0, 1 or 1/`survival`. `largest` of its weights, of those it `entered` with, and
+    /// an even number.
+    #[inline(always)]
+    pub(super) fn worth(&self, largest: f64, entered: f64, reflections: u64, u: f64) -> f64 {
+        let plays = (largest < self.threshold * entered) | (reflections >= REFLECTIONS_IN_A_ROW);
+        let worth = if u < self.survival { 1.0 / self.survival } else { 0.0 };
+        if plays { worth } else { 1.0 }
+    }
 }
 
 impl Default for Roulette {
@@ -46,17 +56,12 @@ impl Default for Roulette {
     }
 }
 
-/// Reflections in a row, with no particle between them, after which roulette is played whatever the weight. Light that
-/// entered at a grazing angle, or that total reflection traps in a body that hardly scatters, loses next to nothing in
-/// each and would go round without end.
-const REFLECTIONS_IN_A_ROW: u32 = 10_000;
-/// Events after which the weights are worked out even if nothing leaves, so that products stay within range and trapped
-/// light meets roulette.
-const EVENTS_AT_MOST: u32 = 32;
 /// Paths in a row with the same hero, whose phase table then stays in the nearest cache: at most this many, and few enough
 /// for every hero to have so many turns in a batch.
 const PATHS_OF_A_HERO: usize = 16;
 const TURNS_OF_A_HERO: usize = 8;
+/// New paths begin once so many lanes are idle: a lane written to on its own holds up the vectors that follow.
+const IDLE: u32 = 2;
 
 /// Where and whence light meets the body.
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +92,15 @@ pub struct Exit<'w> {
     pub length_mm: f64,
 }
 
+/// What a trace of paths leaves behind.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Traced {
+    /// Sum of the paths' ledgers at each wavelength of the interior.
+    pub ledgers: Vec<Ledger>,
+    /// Particles met by all paths together.
+    pub scatterings: u64,
+}
+
 /// The transport kernel: paths through one body, each for all the wavelengths of its interior.
 ///
 /// A path is drawn for one of them, its hero: flights from the hero's scattering coefficient, angles from its phase
@@ -105,15 +119,14 @@ pub struct Walk<'a, S> {
 
 impl<S: Shape> Walk<'_, S> {
     /// Traces `paths` paths of light that `entry` lets in (from numbers even in [0, 1), the first of them stratified
-    /// over the paths), hands every exit to `sink` and returns the sum of the paths' ledgers at each wavelength. The ledger of one
-    /// wavelength alone closes to rounding; of more, in the mean.
+    /// over the paths), hands every exit to `sink`. The ledger of one wavelength alone closes to rounding; of more, in the mean.
     pub fn trace(
         &self,
         stream: Xoshiro256PlusPlus,
         paths: usize,
         entry: impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry,
         sink: impl FnMut(&Exit<'_>),
-    ) -> Vec<Ledger> {
+    ) -> Traced {
         let (mut entry, mut sink) = (entry, sink);
         let ends: Ends<'_> = Ends {
             entry: &mut entry,
@@ -140,27 +153,24 @@ impl<S: Shape> Walk<'_, S> {
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
-    fn trace_avx512(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Vec<Ledger> {
+    fn trace_avx512(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Traced {
         self.trace_lanes(stream, paths, ends)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
-    fn trace_avx2(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Vec<Ledger> {
+    fn trace_avx2(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Traced {
         self.trace_lanes(stream, paths, ends)
     }
 
     /// Compiled once for each instruction set, always to the same bits: nothing is contracted or reordered.
     #[inline(always)]
-    fn trace_lanes(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Vec<Ledger> {
-        let mut state = State::new(self, stream, paths, ends);
-        let mut step = Step::default();
-        while state.refill() {
-            state.flights.fly(self.shape, 1.0 / self.interior.index(), &mut step);
-            state.meet(&step);
-            state.flights.turn(&step);
+    fn trace_lanes(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Traced {
+        if self.interior.wavelengths() == 1 {
+            State::<S, Plain>::new(self, stream, paths, ends).run()
+        } else {
+            State::<S, Spectral>::new(self, stream, paths, ends).run()
         }
-        state.spectral.ledgers(state.reflected)
     }
 }
 
@@ -171,7 +181,7 @@ struct Ends<'a> {
 }
 
 /// The paths under way.
-struct State<'a, 'e, S> {
+struct State<'a, 'e, S, W> {
     walk: &'a Walk<'a, S>,
     ends: Ends<'e>,
     entrance: Entrance,
@@ -180,66 +190,78 @@ struct State<'a, 'e, S> {
     paths_of_a_hero: usize,
     hero_paths: usize,
     flights: Flights,
-    spectral: Spectral,
+    weights: W,
     reflected: f64,
-    /// What Fresnel and roulette have left, the same at every wavelength.
-    common: [f64; LANES],
-    /// Roulette begins below this weight.
-    floor: [f64; LANES],
-    hero: [usize; LANES],
-    /// Since the weights were last worked out, and since the last particle.
-    events: [u32; LANES],
-    reflections: [u32; LANES],
-    scattered: [bool; LANES],
-    /// On its first flight.
-    first: [bool; LANES],
-    active: [bool; LANES],
-    entry: Lanes3,
-    omega_in: Lanes3,
+    scatterings: u64,
+    alive: Mask,
+    entries: [Entry; LANES],
 }
 
-impl<'a, 'e, S: Shape> State<'a, 'e, S> {
+impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
+    #[inline(always)]
     fn new(walk: &'a Walk<'a, S>, mut stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'e>) -> Self {
-        let lanes = LaneStream::open(&mut stream);
+        let (lanes, entering) = (LaneStream::open(&mut stream), LaneStream::open(&mut stream));
         let next_hero = (stream.next_u64() % walk.interior.wavelengths() as u64) as usize;
+        let nowhere = Entry {
+            position: Vec3::zeros(),
+            normal: Vec3::z(),
+            omega_in: Vec3::z(),
+        };
         Self {
             walk,
             ends,
-            entrance: Entrance::new(stream, paths),
+            entrance: Entrance::new(entering, paths),
             flights: Flights::new(lanes),
             next_hero,
             paths_of_a_hero: (paths / (TURNS_OF_A_HERO * walk.interior.wavelengths())).clamp(1, PATHS_OF_A_HERO),
             hero_paths: 0,
-            spectral: Spectral::new(walk.interior),
+            weights: W::new(walk.interior),
             reflected: 0.0,
-            common: [0.0; LANES],
-            floor: [0.0; LANES],
-            hero: [0; LANES],
-            events: [0; LANES],
-            reflections: [0; LANES],
-            scattered: [false; LANES],
-            first: [false; LANES],
-            active: [false; LANES],
-            entry: [[0.0; LANES]; 3],
-            omega_in: [[0.0; LANES]; 3],
+            scatterings: 0,
+            alive: 0,
+            entries: [nowhere; LANES],
         }
     }
 
-    /// Begins paths in the lanes that have none. False once no lane has any.
     #[inline(always)]
-    fn refill(&mut self) -> bool {
-        let (idle, count) = chosen(|lane| !self.active[lane]);
-        for &lane in &idle[..count] {
-            while !self.active[lane] {
-                let (shape, index) = (self.walk.shape, self.walk.interior.index());
-                let place = self.entrance.next(shape, index, &mut self.ends.entry);
-                match place {
+    fn run(mut self) -> Traced {
+        let Walk { shape, interior, .. } = self.walk;
+        let inverse_index = 1.0 / interior.index();
+        let mut step = Step::default();
+        loop {
+            if self.alive.count_ones() + IDLE <= LANES as u32 {
+                self.refill();
+            }
+            if self.alive == 0 {
+                break;
+            }
+            self.flights.fly(*shape, inverse_index, interior.angles(), &mut step);
+            self.meet(&step);
+            self.flights.turn(&step);
+        }
+        Traced {
+            ledgers: self.weights.ledgers(self.reflected),
+            scatterings: self.scatterings,
+        }
+    }
+
+    /// Begins paths in the lanes that have none, while there are any.
+    #[inline(always)]
+    fn refill(&mut self) {
+        let idle = !self.alive & (Mask::MAX >> (Mask::BITS - LANES as u32));
+        for lane in LanesOf(idle) {
+            while self.alive & (1 << lane) == 0 {
+                if self.entrance.waiting() == 0 {
+                    let (shape, interior) = (self.walk.shape, self.walk.interior);
+                    self.entrance.fill(shape, interior.index(), &mut self.ends.entry);
+                    self.weights.prepare(interior, &self.entrance);
+                }
+                match self.entrance.next() {
                     Some(place) => self.begin(lane, place),
-                    None => break,
+                    None => return,
                 }
             }
         }
-        self.active.contains(&true)
     }
 
     #[inline(always)]
@@ -257,166 +279,138 @@ impl<'a, 'e, S: Shape> State<'a, 'e, S> {
         }
         let of = &self.entrance;
         self.reflected += of.reflectance[place];
-        let entering = 1.0 - of.reflectance[place];
-        if entering <= 0.0 {
+        if of.reflectance[place] >= 1.0 {
             return;
         }
-        let transmittance = of.transmittance[place];
-        let chord_mm = of.chord_mm[place];
-        let inverse_reach = self
-            .spectral
-            .begin(interior, lane, hero, entering, transmittance, chord_mm);
-        if transmittance > 0.0 {
+        let reach = self.weights.begin(interior, of, place, lane, hero);
+        self.entries[lane] = of.entries[place];
+        if of.transmittance[place] > 0.0 {
             (self.ends.sink)(&Exit {
                 position: vector(&of.far_position, place),
                 normal: vector(&of.far_normal, place),
                 direction: vector(&of.far_direction, place),
-                weights: self.spectral.weights(),
+                weights: self.weights.crossing(),
                 scattered: false,
-                length_mm: chord_mm,
-                entry: vector(&of.position, place),
-                omega_in: vector(&of.omega_in, place),
+                length_mm: of.chord_mm[place],
+                entry: of.entries[place].position,
+                omega_in: of.entries[place].omega_in,
             });
         }
         let flights = &mut self.flights;
         for axis in 0..3 {
             flights.position[axis][lane] = of.position[axis][place];
-            self.entry[axis][lane] = of.position[axis][place];
-            self.omega_in[axis][lane] = of.omega_in[axis][place];
             flights.direction[axis][lane] = of.direction[axis][place];
         }
-        flights.mean_free_path[lane] = 1.0 / interior.mu_s()[hero];
-        flights.preset[lane] = of.for_flight[place] / inverse_reach;
-        flights.drawn[lane] = 0.0;
+        flights.hero[lane] = hero as f64;
+        flights.mean_free_path[lane] = interior.mean_free_path()[hero];
+        flights.preset[lane] = of.for_flight[place] * reach;
         flights.length[lane] = 0.0;
-        flights.since[lane] = 0.0;
-        self.common[lane] = entering;
-        self.floor[lane] = self.walk.roulette.threshold * entering;
-        self.hero[lane] = hero;
-        self.events[lane] = 0;
-        self.reflections[lane] = 0;
-        self.scattered[lane] = false;
-        self.first[lane] = true;
-        self.active[lane] = inverse_reach > 0.0;
+        flights.scattered[lane] = 0;
+        flights.reflections[lane] = 0;
+        self.alive |= Mask::from(reach > 0.0) << lane;
     }
 
-    /// Deals with what each lane met: a particle's angle, or light that leaves.
+    /// Deals with what each lane met, and tells the sink of light that leaves.
     #[inline(always)]
     fn meet(&mut self, step: &Step) {
-        let interior = self.walk.interior;
-        let (scatterers, count) = chosen(|lane| self.active[lane] & (step.scatters[lane] == 1));
-        let mut angles = [Angle::default(); LANES];
-        for &lane in &scatterers[..count] {
-            angles[lane] = interior.angles().draw(self.hero[lane], step.for_angle[lane]);
-            self.flights.cos_theta[lane] = angles[lane].cos_theta;
-            self.scattered[lane] = true;
-            self.reflections[lane] = 0;
-        }
-        for &lane in &scatterers[..count] {
-            self.spectral.scatter(interior, lane, &angles[lane]);
-        }
-        for lane in 0..LANES {
-            self.events[lane] += 1;
-            self.reflections[lane] += u32::from(step.scatters[lane] == 0);
-        }
-        // What crosses on the first flight has already left.
-        let (leaving, count) = chosen(|lane| {
-            self.active[lane]
-                & (step.scatters[lane] == 0)
-                & (step.transmittance[lane] > 0.0)
-                & (step.distance[lane] < f64::INFINITY)
-                & !self.first[lane]
-        });
-        for &lane in &leaving[..count] {
-            let transmittance = step.transmittance[lane];
-            let largest = self.evaluate(lane);
-            self.spectral.leave(transmittance, self.scattered[lane]);
-            self.common[lane] *= 1.0 - transmittance;
-            self.tell(lane, step);
-            let kept = (1.0 - transmittance) / transmittance;
-            self.play_roulette(lane, step, largest * (1.0 - transmittance), kept);
-        }
-        let (overdue, count) = chosen(|lane| {
-            self.active[lane]
-                & ((self.events[lane] >= EVENTS_AT_MOST)
-                    | (self.reflections[lane] >= REFLECTIONS_IN_A_ROW)
-                    | ((step.scatters[lane] == 0) & (step.distance[lane] == f64::INFINITY)))
-        });
-        for &lane in &overdue[..count] {
-            let largest = self.evaluate(lane);
-            if step.scatters[lane] == 0 && step.distance[lane] == f64::INFINITY {
-                // Neither a particle nor a surface ahead: what is left is absorbed on the way to infinity.
-                self.spectral.absorb();
-                self.active[lane] = false;
-            } else {
-                self.play_roulette(lane, step, largest, 1.0);
-            }
-        }
-        for lane in 0..LANES {
-            self.first[lane] = false;
-        }
+        let Walk { interior, roulette, .. } = self.walk;
+        self.scatterings += u64::from((self.alive & lanes_where(|lane| step.scatters[lane] == 1)).count_ones());
+        let (flights, entries, sink) = (&self.flights, &self.entries, &mut self.ends.sink);
+        let tell = |lane: usize, weights: &[f64]| {
+            let (normal, direction) = (vector(&step.normal, lane), vector(&flights.direction, lane));
+            let outside = refract(
+                direction.into(),
+                (-normal).into(),
+                step.cos_i[lane],
+                step.cos_t[lane],
+                interior.index(),
+            );
+            sink(&Exit {
+                position: vector(&flights.position, lane),
+                normal,
+                direction: outside.into(),
+                weights,
+                scattered: flights.scattered[lane] == 1,
+                length_mm: flights.length[lane],
+                entry: entries[lane].position,
+                omega_in: entries[lane].omega_in,
+            });
+        };
+        self.alive = self.weights.meet(interior, roulette, flights, step, tell);
     }
-
-    #[inline(always)]
-    fn evaluate(&mut self, lane: usize) -> f64 {
-        let since = self.flights.since[lane];
-        self.flights.since[lane] = 0.0;
-        self.events[lane] = 0;
-        let interior = self.walk.interior;
-        self.spectral
-            .evaluate(interior, lane, self.hero[lane], self.common[lane], since)
-    }
-
-    /// Tells the sink of light that leaves.
-    #[inline(always)]
-    fn tell(&mut self, lane: usize, step: &Step) {
-        let (normal, direction) = (vector(&step.normal, lane), vector(&self.flights.direction, lane));
-        let outside = refract(
-            direction.into(),
-            (-normal).into(),
-            step.cos_i[lane],
-            step.cos_t[lane],
-            self.walk.interior.index(),
-        );
-        (self.ends.sink)(&Exit {
-            position: vector(&self.flights.position, lane),
-            normal,
-            direction: outside.into(),
-            weights: self.spectral.weights(),
-            scattered: self.scattered[lane],
-            length_mm: self.flights.length[lane],
-            entry: vector(&self.entry, lane),
-            omega_in: vector(&self.omega_in, lane),
-        });
-    }
-
-    /// Ends the path or not. It carries `factor` × the weights, the `largest` of which decides.
-    #[inline(always)]
-    fn play_roulette(&mut self, lane: usize, step: &Step, largest: f64, factor: f64) {
-        let Roulette { survival, .. } = self.walk.roulette;
-        let plays = (largest < self.floor[lane]) | (self.reflections[lane] >= REFLECTIONS_IN_A_ROW);
-        let survives = step.for_roulette[lane] < survival;
-        let worth = if survives { 1.0 / survival } else { 0.0 };
-        let worth = if plays { worth } else { 1.0 };
-        self.spectral.take(factor * (1.0 - worth));
-        self.common[lane] *= worth;
-        self.reflections[lane] = if plays { 0 } else { self.reflections[lane] };
-        self.active[lane] = worth * largest > 0.0;
-    }
-}
-
-/// The lanes of which something holds, without a branch on it.
-#[inline(always)]
-fn chosen(holds: impl Fn(usize) -> bool) -> ([usize; LANES], usize) {
-    let (mut lanes, mut count) = ([0; LANES], 0);
-    for lane in 0..LANES {
-        lanes[count] = lane;
-        count += usize::from(holds(lane));
-    }
-    (lanes, count)
 }
 
 #[inline(always)]
 fn vector(of: &Lanes3, lane: usize) -> Vec3 {
     Vec3::new(of[0][lane], of[1][lane], of[2][lane])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::{Phase, PhaseTable};
+    use crate::transport::{Coefficients, Cylinder, Purpose, Stream};
+
+    /// What one way to compile the kernel makes of paths that one or three wavelengths share.
+    fn traced(
+        wavelengths: usize,
+        trace: impl Fn(&Walk<'_, Cylinder>, Xoshiro256PlusPlus, Ends<'_>) -> Traced,
+    ) -> Vec<u64> {
+        let phase = Phase::Table(PhaseTable::from_density(91, |c| 0.2 + (1.0 + c).powi(2)).unwrap());
+        let coefficients: Vec<Coefficients<'_>> = (0..wavelengths)
+            .map(|w| Coefficients {
+                mu_s: 20.0 / (1 + w) as f64,
+                mu_a: 0.3 * (1 + w) as f64,
+                phase: &phase,
+            })
+            .collect();
+        let cylinder = Cylinder::new(0.1).unwrap();
+        let walk = Walk {
+            shape: &cylinder,
+            interior: &Interior::new(1.5, &coefficients).unwrap(),
+            roulette: Roulette::default(),
+        };
+        let mut entry = |[turn, ..]: &[f64; ENTRY_COORDINATES]| {
+            let position = cylinder.at(*turn);
+            Entry {
+                position,
+                normal: cylinder.frame(&position).normal,
+                omega_in: Vec3::z(),
+            }
+        };
+        let mut bits = Vec::new();
+        let mut sink = |exit: &Exit<'_>| {
+            let numbers = exit.position.iter().chain(&exit.direction).chain(exit.weights);
+            bits.extend(numbers.map(|x| x.to_bits()));
+        };
+        let ends = Ends {
+            entry: &mut entry,
+            sink: &mut sink,
+        };
+        let traced = trace(&walk, Stream::open(1, Purpose::Validation, 0, 0, 0), ends);
+        let fractions = traced.ledgers.iter().flat_map(Ledger::fractions);
+        bits.extend(fractions.map(f64::to_bits));
+        bits.push(traced.scatterings);
+        bits
+    }
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        const PATHS: usize = 500;
+        for wavelengths in [1, 3] {
+            let portable = traced(wavelengths, |walk, stream, ends| walk.trace_lanes(stream, PATHS, ends));
+            let detected = traced(wavelengths, |walk, stream, Ends { entry, sink }| {
+                walk.trace(stream, PATHS, entry, sink)
+            });
+            assert!(portable.len() > 500 && portable == detected);
+            #[cfg(target_arch = "x86_64")]
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+                // SAFETY: the features have just been found.
+                let avx2 = traced(wavelengths, |walk, stream, ends| unsafe {
+                    walk.trace_avx2(stream, PATHS, ends)
+                });
+                assert!(portable == avx2);
+            }
+        }
+    }
 }

@@ -8,7 +8,7 @@ use super::statistics::check;
 use super::{Check, ValidateError};
 use crate::geometry::Vec3;
 use crate::optics::{HenyeyGreenstein, Phase};
-use crate::transport::{Coefficients, Cylinder, Entry, Estimate, Exit, Interior, Ledger, Roulette, Walk};
+use crate::transport::{Coefficients, Cylinder, Entry, Estimate, Exit, Interior, Roulette, Traced, Walk};
 
 #[derive(Debug, Deserialize)]
 struct Row {
@@ -116,7 +116,7 @@ impl CylinderProblem {
         };
         let mut chords = 0.0;
         let mut tally = |exit: &Exit<'_>| chords += exit.weights[0] * (exit.position - exit.entry).norm();
-        let ledgers = match self.tilt {
+        let traced = match self.tilt {
             Some(tilt) => parallel_beam(&walk, tilt, paths, stream, &mut tally),
             None => {
                 let entry = self.cylinder.at(0.0);
@@ -135,7 +135,7 @@ impl CylinderProblem {
                 )
             }
         };
-        let [ledger] = ledgers[..] else {
+        let [ledger] = traced.ledgers[..] else {
             return Ok(Vec::new());
         };
         let sums = [ledger.reflected, ledger.ballistic, ledger.absorbed, chords];
@@ -160,7 +160,7 @@ pub(super) fn parallel_beam(
     paths: u64,
     stream: Xoshiro256PlusPlus,
     sink: impl FnMut(&Exit<'_>),
-) -> Vec<Ledger> {
+) -> Traced {
     let omega_in = Vec3::new(0.0, -tilt.sin(), tilt.cos());
     walk.trace(
         stream,

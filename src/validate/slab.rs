@@ -80,7 +80,7 @@ impl SlabProblem {
             roulette: Roulette::default(),
         };
         let mut sums = [0.0; 4];
-        let ledgers = walk.trace(
+        let traced = walk.trace(
             stream,
             paths as usize,
             |[even, ..]| Entry {
@@ -101,7 +101,7 @@ impl SlabProblem {
                 }
             },
         );
-        sums[0] += ledgers[0].reflected;
+        sums[0] += traced.ledgers[0].reflected;
         Ok(sums.iter().map(|s| s / paths as f64).collect())
     }
 

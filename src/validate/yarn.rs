@@ -189,7 +189,7 @@ impl YarnProblem {
         };
         let [azimuth, straight, theta] = &self.histograms;
         let mut cells = self.histograms.each_ref().map(|h| vec![0.0; h.references.len()]);
-        let ledgers = parallel_beam(&walk, self.psi_deg.to_radians(), paths, stream, |exit| {
+        let traced = parallel_beam(&walk, self.psi_deg.to_radians(), paths, stream, |exit| {
             let (direction, weight) = (exit.direction, exit.weights[0]);
             // 0 is straight on, 180 back to the source.
             let azimuth_deg = direction.x.atan2(-direction.z).to_degrees().rem_euclid(360.0);
@@ -200,7 +200,8 @@ impl YarnProblem {
                 straight.add(&mut cells[1], azimuth_deg, weight);
             }
         });
-        let totals = ledgers
+        let totals = traced
+            .ledgers
             .iter()
             .flat_map(|ledger| [ledger.reflected, ledger.ballistic, ledger.scattered, ledger.absorbed]);
         let sums = totals.chain(cells.into_iter().flatten());

@@ -196,7 +196,7 @@ impl<'a> PatchTracer<'a> {
         for sharing in &self.sharing {
             let here = sharing.first..sharing.first + sharing.interior.wavelengths();
             let stream = Stream::open(self.effort.seed, Purpose::Bssrdf, direction, batch, sharing.first);
-            let sums = self.yarn.walk(&sharing.interior).trace(
+            let traced = self.yarn.walk(&sharing.interior).trace(
                 stream,
                 paths,
                 |[zenith, turn, around, _]| {
@@ -236,7 +236,7 @@ impl<'a> PatchTracer<'a> {
                     add_scaled(&mut values[at * wavelengths..][here.clone()], exit.weights, factor);
                 },
             );
-            ledgers.extend(sums.iter().map(|sum| sum.scaled(scale)));
+            ledgers.extend(traced.ledgers.iter().map(|sum| sum.scaled(scale)));
         }
         Part {
             first_tilt: *tilts.start(),

@@ -86,7 +86,7 @@ impl<'a> DirectTracer<'a> {
         for sharing in &self.sharing {
             let here = sharing.first..sharing.first + sharing.interior.wavelengths();
             let stream = Stream::open(self.effort.seed, Purpose::Direct, tilt, batch, sharing.first);
-            let sums = self.yarn.walk(&sharing.interior).trace(
+            let traced = self.yarn.walk(&sharing.interior).trace(
                 stream,
                 paths,
                 |[across, along, ..]| {
@@ -111,7 +111,7 @@ impl<'a> DirectTracer<'a> {
                     }
                 },
             );
-            ledgers.extend(sums.iter().map(|sum| sum.scaled(1.0 / paths as f64)));
+            ledgers.extend(traced.ledgers.iter().map(|sum| sum.scaled(1.0 / paths as f64)));
         }
         let factor: Vec<f64> = (0..exits)
             .map(|exit| self.grid.radiance_factor_per_fraction(tilt, exit) / paths as f64)

@@ -65,7 +65,7 @@ impl<'a> EnergyTracer<'a> {
         for sharing in &self.sharing {
             let stream = Stream::open(self.effort.seed, Purpose::Energy, direction, batch, sharing.first);
             let mut lengths = vec![[0.0; 4]; sharing.interior.wavelengths() * bins];
-            let sums = self.yarn.walk(&sharing.interior).trace(
+            let traced = self.yarn.walk(&sharing.interior).trace(
                 stream,
                 paths,
                 |_| entry,
@@ -80,7 +80,9 @@ impl<'a> EnergyTracer<'a> {
                     }
                 },
             );
-            result.ledgers.extend(sums.iter().map(|sum| sum.scaled(scale)));
+            result
+                .ledgers
+                .extend(traced.ledgers.iter().map(|sum| sum.scaled(scale)));
             result.lengths.extend(lengths);
         }
         result

@@ -1,0 +1,122 @@
+use super::entrance::Entrance;
+use super::flights::{Flights, LANES, LanesOf, Mask, Step, lanes_where};
+use super::lane_math::exp;
+use super::weights::Weights;
+use super::{Interior, Ledger, Roulette};
+
+/// Paths of one wavelength, side by side: the plain walk, whose weights close the ledger to rounding.
+pub(super) struct Plain {
+    mu_s: f64,
+    mu_a: f64,
+    crossing: f64,
+    /// Of the paths at the entrance: what crosses unscattered, the probability of anything else, and what is then carried.
+    waiting_crossing: [f64; LANES],
+    waiting_reach: [f64; LANES],
+    waiting_carried: [f64; LANES],
+    /// Fraction of its incident flux that each path carries, and below which it plays roulette.
+    carried: [f64; LANES],
+    floor: [f64; LANES],
+    /// Sums by lane.
+    ballistic: [f64; LANES],
+    scattered: [f64; LANES],
+    absorbed: [f64; LANES],
+    roulette: [f64; LANES],
+}
+
+impl Weights for Plain {
+    fn new(interior: &Interior<'_>) -> Self {
+        Self {
+            mu_s: 1.0 / interior.mean_free_path()[0],
+            mu_a: interior.first_mu_a(),
+            crossing: 0.0,
+            waiting_crossing: [0.0; LANES],
+            waiting_reach: [0.0; LANES],
+            waiting_carried: [0.0; LANES],
+            carried: [0.0; LANES],
+            floor: [0.0; LANES],
+            ballistic: [0.0; LANES],
+            scattered: [0.0; LANES],
+            absorbed: [0.0; LANES],
+            roulette: [0.0; LANES],
+        }
+    }
+
+    #[inline(always)]
+    fn prepare(&mut self, _: &Interior<'_>, entrance: &Entrance) {
+        let waiting = entrance.waiting();
+        for i in 0..LANES {
+            let entering = if i < waiting {
+                1.0 - entrance.reflectance[i]
+            } else {
+                0.0
+            };
+            let (transmittance, chord_mm) = (entrance.transmittance[i], entrance.chord_mm[i]);
+            let unscattered = exp(-self.mu_s * chord_mm);
+            let straight = entering * transmittance * unscattered;
+            let crossing = straight * exp(-self.mu_a * chord_mm);
+            // 1 − T exp(−μ_s c) in a form that does not cancel.
+            let reach = (1.0 - transmittance) + transmittance * (1.0 - unscattered);
+            self.waiting_crossing[i] = crossing;
+            self.waiting_reach[i] = reach;
+            self.waiting_carried[i] = entering * reach;
+            self.ballistic[i] += crossing;
+            self.absorbed[i] += straight - crossing;
+        }
+    }
+
+    #[inline(always)]
+    fn begin(&mut self, _: &Interior<'_>, entrance: &Entrance, place: usize, lane: usize, _: usize) -> f64 {
+        self.crossing = self.waiting_crossing[place];
+        self.carried[lane] = self.waiting_carried[place];
+        self.floor[lane] = 1.0 - entrance.reflectance[place];
+        self.waiting_reach[place]
+    }
+
+    #[inline(always)]
+    fn crossing(&self) -> &[f64] {
+        std::slice::from_ref(&self.crossing)
+    }
+
+    #[inline(always)]
+    fn meet(
+        &mut self,
+        _: &Interior<'_>,
+        rule: &Roulette,
+        flights: &Flights,
+        step: &Step,
+        mut tell: impl FnMut(usize, &[f64]),
+    ) -> Mask {
+        let mut leaving = [0.0; LANES];
+        for (i, leaving) in leaving.iter_mut().enumerate() {
+            let before = self.carried[i];
+            let after = before * exp(-self.mu_a * step.length[i]);
+            // Neither a particle nor a surface ahead: what is left is absorbed on the way to infinity.
+            let after = if step.lost[i] == 1 { 0.0 } else { after };
+            let out = after * step.leaving[i];
+            let kept = after - out;
+            let ballistic = if flights.scattered[i] == 1 { 0.0 } else { out };
+            let worth = rule.worth(kept, self.floor[i], flights.reflections[i], step.for_roulette[i]);
+            let goes_on = kept * worth;
+            self.absorbed[i] += before - after;
+            self.ballistic[i] += ballistic;
+            self.scattered[i] += out - ballistic;
+            self.roulette[i] += kept - goes_on;
+            self.carried[i] = goes_on;
+            *leaving = out;
+        }
+        for lane in LanesOf(lanes_where(|lane| leaving[lane] > 0.0)) {
+            tell(lane, std::slice::from_ref(&leaving[lane]));
+        }
+        lanes_where(|lane| self.carried[lane] > 0.0)
+    }
+
+    fn ledgers(&self, reflected: f64) -> Vec<Ledger> {
+        vec![Ledger {
+            reflected,
+            ballistic: self.ballistic.iter().sum(),
+            scattered: self.scattered.iter().sum(),
+            absorbed: self.absorbed.iter().sum(),
+            roulette: self.roulette.iter().sum(),
+        }]
+    }
+}
