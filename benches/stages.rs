@@ -178,7 +178,11 @@ fn figure_of_merit(_: &mut Criterion) {
 }
 
 /// Relative standard error of the median azimuth bin of one wavelength, mirror images folded.
-fn median_error<'a>(batches: impl Iterator<Item = &'a [f64]> + Clone, wavelength: usize, wavelengths: usize) -> f64 {
+fn median_error<'a>(
+    batches: impl ExactSizeIterator<Item = &'a [f64]> + Clone,
+    wavelength: usize,
+    wavelengths: usize,
+) -> f64 {
     let mut errors: Vec<f64> = (0..BINS / 2)
         .map(|bin| {
             let at = |bin: usize| bin * wavelengths + wavelength;

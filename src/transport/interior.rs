@@ -10,6 +10,9 @@ pub(super) const GROUP: usize = 16;
 pub(super) type Single = [f32; GROUP];
 pub(super) type Double = [f64; GROUP];
 
+/// Turns, in a round, of the wavelength that scatters most and of the one that scatters least.
+const TURNS_OF_MOST: usize = 5;
+const TURNS_OF_LEAST: usize = 2;
 /// Scatterings on end without working out the weights, at most, so that trapped light meets roulette.
 const SCATTERINGS_AT_MOST: f64 = 32.0;
 /// How far products of density ratios may grow or shrink in between, well within single precision.
@@ -36,6 +39,9 @@ pub struct Interior<'a> {
     mu_a: Vec<Single>,
     /// 1 for a wavelength, 0 for an empty place.
     taken: Vec<Single>,
+    /// How many turns each wavelength takes as the hero of paths, in a round, and whose turns they are.
+    turns: Vec<Single>,
+    heroes: Vec<usize>,
     /// 1/μ_s of each wavelength, mm, and μ_a of the first, 1/mm.
     mean_free_path: Vec<f64>,
     first_mu_a: f64,
@@ -94,12 +100,19 @@ impl<'a> Interior<'a> {
             }
         }
         let phases: Vec<&Phase> = wavelengths.iter().map(|c| c.phase).collect();
+        let turns = turns(wavelengths);
+        let heroes = turns
+            .iter()
+            .enumerate()
+            .flat_map(|(hero, &turns)| std::iter::repeat_n(hero, turns));
         Ok(Self {
             index,
             wavelengths: wavelengths.len(),
             mu_s: grouped(wavelengths.iter().map(|c| c.mu_s as f32)),
             mu_a: grouped(wavelengths.iter().map(|c| c.mu_a as f32)),
             taken: grouped(wavelengths.iter().map(|_| 1.0)),
+            heroes: heroes.collect(),
+            turns: grouped(turns.iter().map(|&turns| turns as f32)),
             mean_free_path: wavelengths.iter().map(|c| 1.0 / c.mu_s).collect(),
             first_mu_a: wavelengths[0].mu_a,
             angles: Angles::new(&phases),
@@ -131,6 +144,14 @@ impl<'a> Interior<'a> {
 
     pub(super) fn taken(&self) -> &[Single] {
         &self.taken
+    }
+
+    pub(super) fn turns(&self) -> &[Single] {
+        &self.turns
+    }
+
+    pub(super) fn heroes(&self) -> &[usize] {
+        &self.heroes
     }
 
     pub(super) fn mean_free_path(&self) -> &[f64] {
@@ -203,6 +224,24 @@ fn weighed(share: Single, low: Single, high: Single, place: f32, inverse: f32) -
         result[i] = share[i] * (between(low[i], high[i], place) * inverse);
     }
     result
+}
+
+/// Every wavelength has a turn. Those that scatter most and least have more: all others are helped by the paths of neighbours
+/// on both sides, these of one side only.
+fn turns(wavelengths: &[Coefficients<'_>]) -> Vec<usize> {
+    let mut turns = vec![1; wavelengths.len()];
+    let by_mu_s = |a: &usize, b: &usize| wavelengths[*a].mu_s.total_cmp(&wavelengths[*b].mu_s);
+    if wavelengths.len() > 2 {
+        (0..wavelengths.len())
+            .max_by(by_mu_s)
+            .into_iter()
+            .for_each(|most| turns[most] = TURNS_OF_MOST);
+        (0..wavelengths.len())
+            .min_by(by_mu_s)
+            .into_iter()
+            .for_each(|least| turns[least] = TURNS_OF_LEAST);
+    }
+    turns
 }
 
 /// As many factors of the largest ratio between two wavelengths' μ_s p(θ) as stay within [`RANGE`].

@@ -13,10 +13,13 @@ use std::ops::{Add, Mul};
 pub(super) struct Spectral {
     wavelengths: usize,
     groups: usize,
+    /// In a round of heroes.
+    turns: f32,
     /// Balance heuristic of each lane as last worked out, times the ratios of densities to the hero's since.
     share: Vec<Single>,
-    /// 1/P of each lane's wavelengths as heroes, P being the probability to do anything but cross on the first flight.
-    inverse_reach: Vec<Single>,
+    /// Turns over P of each lane's wavelengths as heroes, P being the probability to do anything but cross on the first
+    /// flight.
+    heroes: Vec<Single>,
     /// exp(−μ_a L) of each lane as last worked out.
     survived: Vec<Single>,
     /// What the path in hand carries, and what of it leaves.
@@ -42,8 +45,9 @@ impl Weights for Spectral {
         Self {
             wavelengths: interior.wavelengths(),
             groups,
+            turns: interior.heroes().len() as f32,
             share: vec![[0.0; GROUP]; groups * LANES],
-            inverse_reach: vec![[0.0; GROUP]; groups * LANES],
+            heroes: vec![[0.0; GROUP]; groups * LANES],
             survived: vec![[0.0; GROUP]; groups * LANES],
             carried: vec![[0.0; GROUP]; groups],
             weights: sums(),
@@ -70,9 +74,9 @@ impl Weights for Spectral {
         let crossing = entering as f32 * transmittance;
         let row = lane * self.groups..(lane + 1) * self.groups;
         let share = &mut self.share[row.clone()];
-        let inverse_reaches = &mut self.inverse_reach[row.clone()];
+        let heroes = &mut self.heroes[row.clone()];
         let mut total = [0.0; GROUP];
-        for (group, inverse_reach) in inverse_reaches.iter_mut().enumerate() {
+        for (group, as_hero) in heroes.iter_mut().enumerate() {
             let met = losses(interior.mu_s()[group], chord_mm);
             let straight = scaled(remainder(met), crossing);
             let absorbed = double(product(straight, losses(interior.mu_a()[group], chord_mm)));
@@ -80,10 +84,10 @@ impl Weights for Spectral {
             self.weights[group] = weights;
             self.ballistic[group] = plus(self.ballistic[group], weights);
             self.absorbed[group] = plus(self.absorbed[group], absorbed);
-            *inverse_reach = inverse_of_reach(met, interior.taken()[group], transmittance);
-            total = plus(total, *inverse_reach);
+            *as_hero = turns_over_reach(met, interior.turns()[group], transmittance);
+            total = plus(total, *as_hero);
         }
-        let even = self.wavelengths as f32 / sum(total);
+        let even = self.turns / sum(total);
         for (share, taken) in share.iter_mut().zip(interior.taken()) {
             *share = scaled(*taken, even);
         }
@@ -92,8 +96,13 @@ impl Weights for Spectral {
         self.floor[lane] = entering;
         self.since[lane] = 0.0;
         self.scatterings[lane] = 0;
-        let inverse = f64::from(inverse_reaches.as_flattened()[hero]);
-        let reach = if inverse > 0.0 { 1.0 / inverse } else { 0.0 };
+        let turns = f64::from(interior.turns().as_flattened()[hero]);
+        let over_reach = f64::from(heroes.as_flattened()[hero]);
+        let reach = if over_reach > 0.0 {
+            (turns / over_reach).min(1.0)
+        } else {
+            0.0
+        };
         self.alive |= Mask::from(reach > 0.0) << lane;
         reach
     }
@@ -189,13 +198,13 @@ impl Spectral {
         let mu_s = interior.mu_s();
         let hero_mu_s = mu_s[hero / GROUP][hero % GROUP];
         let mut total = [0.0; GROUP];
-        for ((share, mu_s), inverse_reach) in share.iter_mut().zip(mu_s).zip(&self.inverse_reach[row.clone()]) {
+        for ((share, mu_s), as_hero) in share.iter_mut().zip(mu_s).zip(&self.heroes[row.clone()]) {
             let flown = density_ratio(*mu_s, hero_mu_s, since);
             let now = product(*share, flown);
             *share = now;
-            total = plus(total, product(now, *inverse_reach));
+            total = plus(total, product(now, *as_hero));
         }
-        let balance = self.wavelengths as f32 / sum(total);
+        let balance = self.turns / sum(total);
         let common = self.common[lane] as f32;
         let mut largest = [0.0; GROUP];
         for (group, (share, survived)) in share.iter_mut().zip(&mut self.survived[row]).enumerate() {
@@ -252,13 +261,13 @@ fn density_ratio(mu_s: Single, hero_mu_s: f32, x: f32) -> Single {
     result
 }
 
-/// 1/P, P = 1 − T exp(−μ_s c) = (1 − T) + T (1 − exp(−μ_s c)), which does not cancel; 0 where P or the place is empty.
+/// Turns over P, P = 1 − T exp(−μ_s c) = (1 − T) + T (1 − exp(−μ_s c)), which does not cancel; 0 where P is.
 #[inline(always)]
-fn inverse_of_reach(met: Single, taken: Single, transmittance: f32) -> Single {
+fn turns_over_reach(met: Single, turns: Single, transmittance: f32) -> Single {
     let mut result = [0.0; GROUP];
     for i in 0..GROUP {
         let reach = (1.0 - transmittance) + transmittance * met[i];
-        result[i] = if reach > 0.0 { taken[i] / reach } else { 0.0 };
+        result[i] = if reach > 0.0 { turns[i] / reach } else { 0.0 };
     }
     result
 }

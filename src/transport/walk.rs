@@ -56,10 +56,10 @@ impl Default for Roulette {
     }
 }
 
-/// Paths in a row with the same hero, whose phase table then stays in the nearest cache: at most this many, and few enough
-/// for every hero to have so many turns in a batch.
-const PATHS_OF_A_HERO: usize = 16;
-const TURNS_OF_A_HERO: usize = 8;
+/// Paths of one turn of a hero, whose phase table then stays in the nearest cache: at most this many, and few enough for so
+/// many rounds in a batch.
+const PATHS_OF_A_TURN: usize = 16;
+const ROUNDS: usize = 8;
 /// New paths begin once so many lanes are idle: a lane written to on its own holds up the vectors that follow.
 const IDLE: u32 = 2;
 
@@ -105,9 +105,10 @@ pub struct Traced {
 ///
 /// A path is drawn for one of them, its hero: flights from the hero's scattering coefficient, angles from its phase
 /// function. What it is worth at wavelength λ is the balance heuristic over all heroes (Veach & Guibas 1995; Wilkie et al.
-/// 2014): n ρ_λ / Σ_h ρ_h/P_h, with ρ_λ the product of μ_s e^(−μ_s s) p(θ) along the path, times exp(−μ_a L). With one
-/// wavelength this is the plain walk. The light that crosses the body on its first flight leaves as an expected value and
-/// the path is drawn under the condition, of probability P_h, that it does something else; at every later inner hit
+/// 2014): n ρ_λ / Σ_h c_h ρ_h/P_h, with c_h turns of each hero in a round of n and ρ_λ the product of μ_s e^(−μ_s s) p(θ)
+/// along the path, times exp(−μ_a L). With one wavelength this is the plain walk. The light that crosses the body on its
+/// first flight leaves as an expected value and the path is drawn under the condition, of probability P_h, that it does
+/// something else; at every later inner hit
 /// the transmitted part leaves as an expected value and the rest flies on, total internal reflection included.
 /// Nothing ends a path but an empty weight and roulette.
 #[derive(Clone, Copy, Debug)]
@@ -185,10 +186,10 @@ struct State<'a, 'e, S, W> {
     walk: &'a Walk<'a, S>,
     ends: Ends<'e>,
     entrance: Entrance,
-    /// Heroes take turns.
-    next_hero: usize,
-    paths_of_a_hero: usize,
-    hero_paths: usize,
+    /// Whose turn it is to be the hero, for how many paths, and of how many it has been.
+    next_turn: usize,
+    paths_of_a_turn: usize,
+    paths_of_turn: usize,
     flights: Flights,
     weights: W,
     reflected: f64,
@@ -201,7 +202,7 @@ impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
     #[inline(always)]
     fn new(walk: &'a Walk<'a, S>, mut stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'e>) -> Self {
         let (lanes, entering) = (LaneStream::open(&mut stream), LaneStream::open(&mut stream));
-        let next_hero = (stream.next_u64() % walk.interior.wavelengths() as u64) as usize;
+        let next_turn = (stream.next_u64() % walk.interior.heroes().len() as u64) as usize;
         let nowhere = Entry {
             position: Vec3::zeros(),
             normal: Vec3::z(),
@@ -212,9 +213,9 @@ impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
             ends,
             entrance: Entrance::new(entering, paths),
             flights: Flights::new(lanes),
-            next_hero,
-            paths_of_a_hero: (paths / (TURNS_OF_A_HERO * walk.interior.wavelengths())).clamp(1, PATHS_OF_A_HERO),
-            hero_paths: 0,
+            next_turn,
+            paths_of_a_turn: (paths / (ROUNDS * walk.interior.heroes().len())).clamp(1, PATHS_OF_A_TURN),
+            paths_of_turn: 0,
             weights: W::new(walk.interior),
             reflected: 0.0,
             scatterings: 0,
@@ -267,14 +268,15 @@ impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
     #[inline(always)]
     fn begin(&mut self, lane: usize, place: usize) {
         let interior = self.walk.interior;
-        let hero = self.next_hero;
-        self.hero_paths += 1;
-        if self.hero_paths == self.paths_of_a_hero {
-            self.hero_paths = 0;
-            self.next_hero = if hero + 1 == interior.wavelengths() {
+        let heroes = interior.heroes();
+        let hero = heroes[self.next_turn];
+        self.paths_of_turn += 1;
+        if self.paths_of_turn == self.paths_of_a_turn {
+            self.paths_of_turn = 0;
+            self.next_turn = if self.next_turn + 1 == heroes.len() {
                 0
             } else {
-                hero + 1
+                self.next_turn + 1
             };
         }
         let of = &self.entrance;
