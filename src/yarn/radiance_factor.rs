@@ -1,4 +1,5 @@
 use super::{SurfaceGrid, YarnError};
+use crate::fault::{self, Fault};
 use crate::geometry::{Bilinear, CellFinder, Sectors, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::iter::zip;
@@ -68,7 +69,11 @@ impl RadianceFactorGrid {
     /// cell, 2 RΔφ long.
     pub fn radiance_factor_per_fraction(&self, tilt: usize, exit: usize) -> f64 {
         let width = TAU / self.surface.azimuths as f64;
-        self.mean_cosine(tilt) / (width * self.surface.exit.projected_solid_angle(exit))
+        let cosine = match fault::active(Fault::FactorOverCosine) {
+            true => 1.0,
+            false => self.mean_cosine(tilt),
+        };
+        cosine / (width * self.surface.exit.projected_solid_angle(exit))
     }
 
     /// f* in a cell per ∫∫ (fraction of the flux on a patch that leaves through it) cos α dω, 1/sr: the sum of the BSSRDF
@@ -221,7 +226,11 @@ impl FactorCells {
         let tangent = direction.x * normal.z - direction.z * normal.x;
         let local = Vec3::new(
             if across < 0.0 { -tangent } else { tangent },
-            if light.axis_reversed { -direction.y } else { direction.y },
+            if light.axis_reversed && !fault::active(Fault::AxisMirror) {
+                -direction.y
+            } else {
+                direction.y
+            },
             direction.dot(normal),
         );
         let azimuth = self.around.sector(facing, across.abs()).min(self.grid.azimuths() - 1);
