@@ -3,8 +3,9 @@
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context, Quantity};
 use crate::study::NumberOrTable;
-use crate::transport::Ledger;
+use crate::transport::{Ledger, Roulette};
 use crate::yarn::{Effort, EnergyTracer, Estimator, Yarn};
+use std::iter::zip;
 
 const INDEPENDENT: Law = Law {
     name: "ledger",
@@ -16,12 +17,16 @@ const SHARED: Law = Law {
 };
 const ROULETTE: Law = Law {
     name: "roulette",
-    words: "roulette takes as much as it gives",
+    words: "roulette takes as much as it gives, as the study plays it and played at every step",
 };
 const FURNACE: Law = Law {
     name: "white-furnace",
     words: "with absorption off nothing is absorbed and all light comes back",
 };
+
+/// Roulette that nearly every path plays at nearly every step, and mostly survives, so that a bias shows.
+const PLAYED_BELOW: f64 = 0.99;
+const PLAYED_SURVIVAL: f64 = 0.8;
 
 /// Batches and paths of ledgers that close to rounding, whatever their number.
 const CLOSING: (usize, u64) = (2, 128);
@@ -62,22 +67,7 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
     let effort = Effort::new(plan.study.seed, context.batches, paths)?;
     let batches = traced(context, &plan.yarn, effort)?;
     let wavelengths = plan.grid.len();
-    let at = |i: usize| Place::new(plan.grid.nm()[i], "mean over directions");
-    // Mean over all directions, mirrored ones alike; [batch][wavelength].
-    let means = |of: fn(&Ledger) -> f64| -> Vec<Vec<f64>> {
-        let share = 1.0 / plan.incident.traced() as f64;
-        let of_batch = |batch: &Vec<Ledger>| -> Vec<f64> {
-            let mut means = vec![0.0; wavelengths];
-            for row in batch.chunks_exact(wavelengths) {
-                means
-                    .iter_mut()
-                    .zip(row)
-                    .for_each(|(mean, ledger)| *mean += share * of(ledger));
-            }
-            means
-        };
-        batches.iter().map(of_batch).collect()
-    };
+    let means = |of: fn(&Ledger) -> f64| means_over_directions(context, &batches, of);
     if plan.yarn.estimator_in_use() == Estimator::Shared {
         let residuals: Vec<Vec<f64>> = batches
             .iter()
@@ -86,8 +76,26 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
         let tolerance = check.ledger * context.widening;
         gates.push(judge.zero(SHARED, &residuals, tolerance, |i| place(context, i)));
     }
+    let played = Yarn {
+        roulette: Roulette::new(PLAYED_BELOW, PLAYED_SURVIVAL)?,
+        estimator: plan.yarn.estimator,
+        ..furnace
+    };
+    let played = traced(context, &played, effort)?;
+    let net = |ledger: &Ledger| ledger.roulette;
+    let mut nets = means(net);
+    for (own, played) in zip(&mut nets, means_over_directions(context, &played, net)) {
+        own.extend(played);
+    }
     let tolerance = check.roulette * context.widening;
-    gates.push(judge.zero(ROULETTE, &means(|ledger| ledger.roulette), tolerance, at));
+    gates.push(judge.zero(ROULETTE, &nets, tolerance, |i| {
+        let yarn = if i < wavelengths {
+            "the study's yarn"
+        } else {
+            "white yarn, played always"
+        };
+        Place::new(plan.grid.nm()[i % wavelengths], format!("{yarn}, mean over directions"))
+    }));
     let mut quantities = Vec::new();
     let fractions: [(&str, fn(&Ledger) -> f64); 4] = [
         ("reflected", |ledger| ledger.reflected),
@@ -99,6 +107,20 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
         quantities.extend(context.quantities(name, &means(of)));
     }
     Ok((gates, quantities))
+}
+
+/// Mean over all directions, mirrored ones alike: [batch][wavelength].
+fn means_over_directions(context: &Context, batches: &[Vec<Ledger>], of: fn(&Ledger) -> f64) -> Vec<Vec<f64>> {
+    let wavelengths = context.plan.grid.len();
+    let share = 1.0 / context.plan.incident.traced() as f64;
+    let of_batch = |batch: &Vec<Ledger>| -> Vec<f64> {
+        let mut means = vec![0.0; wavelengths];
+        for row in batch.chunks_exact(wavelengths) {
+            zip(&mut means, row).for_each(|(mean, ledger)| *mean += share * of(ledger));
+        }
+        means
+    };
+    batches.iter().map(of_batch).collect()
 }
 
 /// [batch][traced direction × wavelength].

@@ -235,7 +235,12 @@ pub fn study(plan: &Plan, effort: CheckEffort, progress: Progress) -> Result<Che
     let passive = medium::passive(&plan.yarn.medium, context);
     let mut gates = vec![passive.clone()];
     gates.extend(medium::tables(context)?);
-    gates.extend([rig::whites(context)?, rig::diffuser(context), rig::shading(context)]);
+    gates.extend([
+        rig::whites(context)?,
+        rig::diffuser(context),
+        rig::shading(context),
+        rig::lookup(context),
+    ]);
     progress(0.05);
     if passive.verdict == Verdict::Broken {
         gates.push(Gate::undecided(TRACED).with_note("not traced: the medium is not passive"));

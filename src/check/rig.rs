@@ -3,10 +3,13 @@
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
 use crate::colour::{Adaptation, ColourSystem, Convention, Illuminant, Observer, RgbSpace};
+use crate::geometry::Vec3;
 use crate::rig::{brightness_factor, view_cell};
 use crate::run::{CameraBatch, directions, stream_of};
 use crate::spectrum::WavelengthGrid;
 use crate::transport::{Purpose, Stream};
+use crate::yarn::WeightTally;
+use std::f64::consts::TAU;
 
 const DIFFUSER: Law = Law {
     name: "perfect-diffuser",
@@ -16,10 +19,49 @@ const WHITES: Law = Law {
     name: "whites",
     words: "the whites of observers and illuminants are those of ASTM E308",
 };
+const LOOKUP: Law = Law {
+    name: "lookup-mirror",
+    words: "f* looked up at the mirror image of a pair of directions is the same",
+};
 const SHADING: Law = Law {
     name: "shading",
     words: "a yarn with f* = cosψ shades the cloth with the mean of V cosψ over the camera's rays, and no further cosine",
 };
+
+/// Pairs of directions that a table of f* is looked up at.
+const LOOKUPS: usize = 64;
+/// Fraction of the golden ratio: its multiples fill an interval evenly.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// A table with another value in every cell, looked up at pairs of directions and at their images in the yarn's two mirror
+/// planes and in both.
+pub fn lookup(context: &Context) -> Gate {
+    let grid = context.plan.factor_grid;
+    let table: Vec<f64> = (0..grid.cells()).map(|cell| (cell as f64 * GOLDEN).fract()).collect();
+    let mut tally = WeightTally::new(grid);
+    let mut departures = Vec::new();
+    for k in 0..LOOKUPS {
+        let share = (k as f64 + 0.5) / LOOKUPS as f64;
+        let turn = |times: f64| TAU * (k as f64 * GOLDEN * times).fract();
+        let towards = |z: f64, azimuth: f64| {
+            let sin = (1.0 - z * z).sqrt();
+            Vec3::new(sin * azimuth.cos(), sin * azimuth.sin(), z)
+        };
+        let (light, view) = (towards(1.0 - 2.0 * share, turn(1.0)), towards(share, turn(3.0)));
+        let mut at = |tangent: f64, axis: f64| {
+            let image = |d: &Vec3| Vec3::new(tangent * d.x, axis * d.y, d.z);
+            tally.add(&image(&light), &grid.surface().exit().bilinear(&image(&view)));
+            tally.drain(1.0).contract(&table, 1)[0]
+        };
+        let own = at(1.0, 1.0);
+        departures.extend([(-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(|(tangent, axis)| at(tangent, axis) - own));
+    }
+    let rounding = context.plan.study.check.rounding;
+    context.judge.exact(LOOKUP, &departures, rounding, |i| {
+        let image = ["tangent", "axis", "tangent and axis"][i % 3];
+        Place::named(format!("pair {}, {image} reversed", i / 3))
+    })
+}
 
 /// L/E⊥ of a perfect diffuser is cosθ_i/π.
 pub fn diffuser(context: &Context) -> Gate {

@@ -133,7 +133,7 @@ impl WeightTally {
     #[inline]
     pub fn add(&mut self, omega_in: &Vec3, seen: &Bilinear) {
         let sin_tilt = omega_in.y.abs().min(1.0);
-        let axis_reversed = omega_in.y < 0.0;
+        let axis_reversed = omega_in.y < 0.0 && !fault::active(Fault::AxisMirror);
         // Azimuth of the point as seen from the light.
         let azimuth = -omega_in.x.atan2(omega_in.z);
         let tangent_reversed = azimuth < 0.0;
@@ -226,11 +226,7 @@ impl FactorCells {
         let tangent = direction.x * normal.z - direction.z * normal.x;
         let local = Vec3::new(
             if across < 0.0 { -tangent } else { tangent },
-            if light.axis_reversed && !fault::active(Fault::AxisMirror) {
-                -direction.y
-            } else {
-                direction.y
-            },
+            if light.axis_reversed { -direction.y } else { direction.y },
             direction.dot(normal),
         );
         let azimuth = self.around.sector(facing, across.abs()).min(self.grid.azimuths() - 1);
