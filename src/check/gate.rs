@@ -165,7 +165,12 @@ impl Judge {
             -student.inverse_cdf(one / sides)
         });
         let largest_se = estimates.iter().map(|e| e[1]).fold(0.0, f64::max);
-        let needed = (critical * largest_se / tolerance).powi(2);
+        // How many times the paths until no cell could hide a departure of the tolerance; one far below a bound hides none.
+        let hidden = |[value, se]: &[f64; 2]| {
+            let room = if sides == 1.0 { value.min(0.0) } else { 0.0 };
+            (critical * se / (tolerance - room)).powi(2)
+        };
+        let needed = estimates.iter().map(hidden).fold(0.0, f64::max);
         let verdict = if p.is_nan() || p < self.level {
             Verdict::Broken
         } else if needed <= 1.0 {

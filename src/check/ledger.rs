@@ -81,7 +81,8 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
         estimator: plan.yarn.estimator,
         ..furnace
     };
-    let played = traced(context, &played, effort)?;
+    let half = Effort::new(plan.study.seed, context.batches, paths / 2)?;
+    let played = traced(context, &played, half)?;
     let net = |ledger: &Ledger| ledger.roulette;
     let mut nets = means(net);
     for (own, played) in zip(&mut nets, means_over_directions(context, &played, net)) {
