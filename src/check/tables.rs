@@ -130,8 +130,8 @@ pub fn two_roads(context: &Context) -> Result<Gate, CheckError> {
         )
     };
     let axes = BssrdfGrid::new(&plan.yarn, plan.incident, SurfaceGrid::new(4, 1, 4)?, 2)?;
-    let patch = PatchTracer::new(&plan.yarn, axes, grid, effort(4)?)?;
-    let direct = DirectTracer::new(&plan.yarn, grid, effort(1)?, None)?;
+    let patch = PatchTracer::new(&plan.yarn, axes, grid, effort(1)?)?;
+    let direct = DirectTracer::new(&plan.yarn, grid, effort(8)?, None)?;
     let per_side = grid.azimuths() / ROAD_SIDES;
     let differences: Vec<Vec<f64>> = (0..batches)
         .map(|batch| {
