@@ -31,6 +31,9 @@ const PLAYED_SURVIVAL: f64 = 0.8;
 /// Batches and paths of ledgers that close to rounding, whatever their number.
 const CLOSING: (usize, u64) = (2, 128);
 
+/// A fraction of the ledger by its name.
+type Fraction = (&'static str, fn(&Ledger) -> f64);
+
 /// The gates, and the mean fractions as quantities that a baseline can be compared in.
 pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError> {
     let plan = context.plan;
@@ -98,7 +101,7 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
         Place::new(plan.grid.nm()[i % wavelengths], format!("{yarn}, mean over directions"))
     }));
     let mut quantities = Vec::new();
-    let fractions: [(&str, fn(&Ledger) -> f64); 4] = [
+    let fractions: [Fraction; 4] = [
         ("reflected", |ledger| ledger.reflected),
         ("ballistic", |ledger| ledger.ballistic),
         ("scattered", |ledger| ledger.scattered),
