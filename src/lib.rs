@@ -4,9 +4,11 @@
 //! A module uses the ones listed before it and never one listed after it.
 
 pub mod artefact;
+pub mod check;
 pub mod cloth;
 pub mod colour;
 pub mod compare;
+pub mod fault;
 pub mod geometry;
 pub mod optics;
 pub mod report;

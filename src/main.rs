@@ -9,16 +9,20 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let TypedCommand { command, options } = TypedCommand::parse();
     let terminal = Terminal::new(&options);
-    cli::exit(terminal.start_threads(&options).and_then(|()| match command {
-        Command::Report(arguments) => cli::report::run(&arguments, &options, &terminal),
-        Command::Init(arguments) => cli::init::run(&arguments, &terminal),
-        Command::Mie(arguments) => cli::mie::run(&arguments, &terminal),
-        Command::Medium(arguments) => cli::medium::run(&arguments, &options, &terminal),
-        Command::Trace(arguments) => cli::trace::run(&arguments, &options, &terminal),
-        Command::Reabsorb(arguments) => cli::reabsorb::run(&arguments, &options, &terminal),
-        Command::Merge(arguments) => cli::merge::run(&arguments, &terminal),
-        Command::Measure(arguments) => cli::measure::run(&arguments, &options, &terminal),
-        Command::Validate(arguments) => cli::validate::run(&arguments, &options, &terminal),
-        Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),
+    cli::exit(terminal.start_threads(&options).and_then(|()| {
+        let done = match command {
+            Command::Check(arguments) => return cli::check::run(&arguments, &options, &terminal),
+            Command::Report(arguments) => cli::report::run(&arguments, &options, &terminal),
+            Command::Init(arguments) => cli::init::run(&arguments, &terminal),
+            Command::Mie(arguments) => cli::mie::run(&arguments, &terminal),
+            Command::Medium(arguments) => cli::medium::run(&arguments, &options, &terminal),
+            Command::Trace(arguments) => cli::trace::run(&arguments, &options, &terminal),
+            Command::Reabsorb(arguments) => cli::reabsorb::run(&arguments, &options, &terminal),
+            Command::Merge(arguments) => cli::merge::run(&arguments, &terminal),
+            Command::Measure(arguments) => cli::measure::run(&arguments, &options, &terminal),
+            Command::Validate(arguments) => cli::validate::run(&arguments, &options, &terminal),
+            Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),
+        };
+        done.map(|()| ExitCode::SUCCESS)
     }))
 }

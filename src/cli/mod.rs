@@ -1,7 +1,8 @@
 //! What was typed: one file per subcommand, and what all of them share.
 //!
-//! Exit codes: 0 done, 2 bad input, with the reason on stderr. A reader that closes stdout early is no error.
+//! Exit codes: 0 done, 2 bad input, with the reason on stderr; of `check` 1 for a broken law, 2 also for one it cannot tell. A reader that closes stdout early is no error.
 
+pub mod check;
 pub mod colour;
 pub mod init;
 pub mod measure;
@@ -50,6 +51,8 @@ pub enum Command {
     Merge(merge::Arguments),
     /// Brightness factors of the woven model on the virtual rig.
     Measure(measure::Arguments),
+    /// Laws of physics as gates, on a study or a measurement: exit 0 holds, 1 broken, 2 cannot tell.
+    Check(check::Arguments),
     /// Reference problems (slabs, cylinders, spheres, yarns): value, reference, z-score.
     Validate(validate::Arguments),
     /// Colours of spectra: XYZ, linear RGB and Lab.

@@ -91,9 +91,10 @@ impl Progress {
 }
 
 /// Tells an error with everything that caused it, and ends with the exit code that says so.
-pub fn exit(result: Result<(), Failure>) -> ExitCode {
-    let Err(failure) = result else {
-        return ExitCode::SUCCESS;
+pub fn exit(result: Result<ExitCode, Failure>) -> ExitCode {
+    let failure = match result {
+        Ok(code) => return code,
+        Err(failure) => failure,
     };
     if is_broken_pipe(failure.as_ref()) {
         return ExitCode::SUCCESS;

@@ -1,7 +1,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::rgb_space::bradford;
-use super::{Adaptation, Colour, ColourError, Convention, Lab, LinearRgb, Xyz};
+use super::{Adaptation, Colour, ColourError, Convention, Illuminant, Lab, LinearRgb, Xyz};
+use crate::fault::{self, Fault};
 use crate::spectrum::{WavelengthGrid, tables};
 
 /// The conversion of spectra on one wavelength grid under one [`Convention`], weights worked out once.
@@ -25,11 +26,20 @@ impl ColourSystem {
     /// Fails where the grid leaves the tables (360..780 nm; under E ..830 nm) or sees no colour at all.
     pub fn new(grid: &WavelengthGrid, convention: Convention) -> Result<Self, ColourError> {
         let observer = tables::observer(convention.observer.name())?;
-        let illuminant = tables::illuminant(convention.illuminant.name())?.on(grid)?;
+        let illuminant = match convention.illuminant {
+            Illuminant::D65 if fault::active(Fault::IlluminantSwap) => Illuminant::E,
+            Illuminant::E if fault::active(Fault::IlluminantSwap) => Illuminant::D65,
+            illuminant => illuminant,
+        };
+        let illuminant = tables::illuminant(illuminant.name())?.on(grid)?;
+        let read_at = match fault::active(Fault::ObserverShift) {
+            true => &WavelengthGrid::new(grid.nm().iter().map(|nm| nm + 10.0).collect())?,
+            false => grid,
+        };
         let (x, y, z) = (
-            observer.x_bar.on(grid)?,
-            observer.y_bar.on(grid)?,
-            observer.z_bar.on(grid)?,
+            observer.x_bar.on(read_at)?,
+            observer.y_bar.on(read_at)?,
+            observer.z_bar.on(read_at)?,
         );
         let power = illuminant.values().iter().zip(widths(grid)).map(|(s, w)| s * w);
         let mut weights: Vec<Vector3<f64>> = power

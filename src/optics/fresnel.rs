@@ -1,5 +1,7 @@
 //! Fresnel's equations of a smooth dielectric interface for unpolarised light (Born & Wolf, Principles of Optics, §1.5).
 
+use crate::fault::{self, Fault};
+
 /// What an interface does to unpolarised light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interface {
@@ -20,7 +22,12 @@ pub fn interface(cos_i: f64, eta: f64) -> Interface {
     let (s, s_sum) = (cos_i - eta * cos_t, cos_i + eta * cos_t);
     let (p, p_sum) = (eta * cos_i - cos_t, eta * cos_i + cos_t);
     let (a, b, c) = (s * p_sum, p * s_sum, s_sum * p_sum);
-    let partial = 0.5 * (a * a + b * b) / (c * c);
+    let both = if fault::active(Fault::FresnelPolarisation) {
+        a * a
+    } else {
+        0.5 * (a * a + b * b)
+    };
+    let partial = both / (c * c);
     Interface {
         reflectance: if sin2_t < 1.0 { partial } else { 1.0 },
         cos_t,

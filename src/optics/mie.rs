@@ -20,6 +20,7 @@
 use num_complex::Complex64;
 
 use super::OpticsError;
+use crate::fault::{self, Fault};
 
 /// Smallest accepted size parameter.
 pub const MIN_SIZE_PARAMETER: f64 = 1e-6;
@@ -86,6 +87,7 @@ impl Mie {
                 "take a smaller sphere, or a conducting one for so large an index",
             ));
         }
+        let m = if fault::active(Fault::KappaSign) { m.conj() } else { m };
         // Roundings would otherwise give a matched sphere a spurious Q of 1e-32 and any g at all.
         let series = if m == Complex64::ONE {
             Vec::new()

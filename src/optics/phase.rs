@@ -1,5 +1,6 @@
 //! Phase functions: density of the scattered direction over the sphere (1/sr, integral 1), with exact sampling.
 
+use crate::fault::{self, Fault};
 use std::f64::consts::PI;
 
 /// What is wrong with a phase function.
@@ -72,6 +73,9 @@ impl PhaseTable {
                 k += 1;
             }
             guide.push(k as u32);
+        }
+        if fault::active(Fault::PhaseBin) {
+            density.rotate_right(1);
         }
         Ok(Self {
             density,

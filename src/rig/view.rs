@@ -45,8 +45,8 @@ impl Interaction {
     }
 }
 
-/// Sees one unit cell from far away along `omega_out`, above the cloth's plane, and hands every camera ray's interaction
-/// to `visit`, `None` for a ray through a gap. The light may come from anywhere, also from below the cloth: what a ray
+/// Sees one unit cell from far away along `omega_out`, on either side of the cloth's plane, and hands every camera ray's interaction
+/// to `visit`, `None` for a ray through a gap. The light may come from anywhere, also from the other side: what a ray
 /// meets does not depend on it.
 ///
 /// Rays are evenly spread over the cell in the cloth's plane, so the plain mean of the radiances that `visit` finds,
@@ -59,13 +59,13 @@ pub fn view_cell(
     mut visit: impl FnMut(Option<Interaction>),
 ) {
     let [cell_x, cell_y] = cloth.cell_mm();
-    let above = omega_out * (2.0 * cloth.top_mm() / omega_out.z);
+    let away = omega_out * (2.0 * cloth.top_mm() / omega_out.z.abs());
     let inwards = -omega_out;
     for row in 0..samples.along_y {
         for column in 0..samples.along_x {
             let x = (column as f64 + rng.random::<f64>()) / samples.along_x as f64 * cell_x;
             let y = (row as f64 + rng.random::<f64>()) / samples.along_y as f64 * cell_y;
-            let origin = Vec3::new(x, y, 0.0) + above;
+            let origin = Vec3::new(x, y, 0.0) + away;
             visit(cloth.intersect(&origin, &inwards).map(|hit| Interaction {
                 omega_out_local: above_horizon(hit.frame.to_local(omega_out)),
                 hit,

@@ -1,6 +1,7 @@
 use super::Plan;
 use super::curves::directions;
 use crate::compare::Geometry;
+use crate::fault::{self, Fault};
 use crate::geometry::Bilinear;
 use crate::rig::{Interaction, brightness_factor, view_cell};
 use crate::transport::{Purpose, Stream};
@@ -56,7 +57,7 @@ impl CameraBatch {
 }
 
 /// Number of a view's random stream: its angle in millionths of a degree.
-fn stream_of(geometry: Geometry) -> usize {
+pub(crate) fn stream_of(geometry: Geometry) -> usize {
     (geometry.theta_v_deg * 1e6).round() as isize as usize
 }
 
@@ -88,7 +89,9 @@ fn see(
                     tally.add(&light, seen);
                 }
             }
-            (place, geometry.theta_i_deg.to_radians().cos(), tally.drain(share))
+            let cos_i = geometry.theta_i_deg.to_radians().cos();
+            let second = if fault::active(Fault::DoubleCosine) { cos_i } else { 1.0 };
+            (place, cos_i, tally.drain(share * second))
         })
         .collect()
 }

@@ -63,7 +63,7 @@ pub(super) fn channels(colour: &ColourSystem, beta: &[f64]) -> Channels {
 }
 
 /// Unit vectors towards light and viewer in the cloth's coordinates.
-pub(super) fn directions(plan: &Plan, geometry: Geometry) -> (Vec3, Vec3) {
+pub(crate) fn directions(plan: &Plan, geometry: Geometry) -> (Vec3, Vec3) {
     let azimuth_deg = plan.study.cloth.azimuth_deg;
     (
         omega_in(geometry.theta_i_deg, azimuth_deg),

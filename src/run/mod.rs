@@ -19,7 +19,10 @@ pub use artefact::{
 };
 pub use batches::{Gather, Outcome, Schedule, gather};
 pub use camera::CameraBatch;
+pub(crate) use camera::stream_of;
 pub use curves::SpectralCurves;
+pub(crate) use curves::directions;
+pub(crate) use plan::dye_on;
 pub use plan::{Plan, RunError, medium};
 pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};
 pub use report::{report, report_geometries};

@@ -2,6 +2,7 @@ use crate::artefact::ArtefactError;
 use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Weave};
 use crate::colour::{ColourError, ColourSystem};
 use crate::compare::{CompareError, Geometry};
+use crate::fault::{self, Fault};
 use crate::optics::{Interference, Medium, MediumSpec, OpticsError};
 use crate::report::{InputDigest, ReportError};
 use crate::rig::{PixelSamples, Rig, RigError};
@@ -309,8 +310,22 @@ fn number_or_table(key: &'static str, of: &NumberOrTable, grid: &WavelengthGrid)
     Ok(table)
 }
 
+/// Shape of the study's dye on its grid.
+pub(crate) fn dye_on(study: &Study, grid: &WavelengthGrid) -> Result<Samples, RunError> {
+    Ok(dye(&study.medium.dye)?.on(grid)?)
+}
+
 /// A built-in dye by its name, else one from a file.
 fn dye(name: &str) -> Result<Spectrum, RunError> {
+    if fault::active(Fault::DyeScale)
+        && let Spectrum::Table { name, samples } = tables::dye(name)?
+    {
+        let stronger = samples.values().iter().map(|value| 1.02 * value).collect();
+        return Ok(Spectrum::Table {
+            name: name.clone(),
+            samples: Samples::new(name, samples.grid(), stronger)?,
+        });
+    }
     let unknown = match tables::dye(name) {
         Ok(dye) => return Ok(dye.clone()),
         Err(source) => source,

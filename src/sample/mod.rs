@@ -94,6 +94,40 @@ impl Sample {
         };
         rows.iter().map(|row| (row.theta_i_deg, row.theta_v_deg))
     }
+
+    /// Every reading as the data have it, ascending by incidence, then by view; none for published ratios.
+    pub fn raw(&self) -> impl Iterator<Item = RawReading<'_>> {
+        let rows = match &self.data {
+            Data::Curves(curves) => curves.rows(),
+            Data::Ratios(_) => &[],
+        };
+        rows.iter().map(|row| RawReading {
+            theta_i_deg: row.theta_i_deg,
+            theta_v_deg: row.theta_v_deg,
+            beta: &row.beta,
+            se: &row.se,
+        })
+    }
+
+    /// Wavelengths in nm that the values of [`Sample::raw`] stand at; `None` for RGB.
+    pub fn wavelengths_nm(&self) -> Option<&[f64]> {
+        match &self.data {
+            Data::Curves(curves) => match curves.axis() {
+                data::Axis::Wavelengths(grid) => Some(grid.nm()),
+                data::Axis::Rgb => None,
+            },
+            Data::Ratios(_) => None,
+        }
+    }
+}
+
+/// One measured geometry: β and its standard error, a value a wavelength or one each of red, green and blue.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RawReading<'a> {
+    pub theta_i_deg: f64,
+    pub theta_v_deg: f64,
+    pub beta: &'a [f64],
+    pub se: &'a [f64],
 }
 
 /// What is wrong with a sample.

@@ -553,4 +553,76 @@ pub(super) const SECTIONS: &[Section] = &[
             ),
         ],
     },
+    Section {
+        name: "check",
+        meaning: "What `specval check` must not miss. A stochastic gate that could miss a departure of its tolerance says that it \
+                  cannot tell, and how many paths would do; with --quick these tolerances are 2.8 times as wide.",
+        fields: &[
+            field(
+                "false_alarms",
+                "",
+                Kind::Number(Range {
+                    low: 0.0,
+                    low_included: false,
+                    high: 0.1,
+                    high_included: true,
+                }),
+                "Probability that any gate of a run breaks by chance.",
+            ),
+            field(
+                "rounding",
+                "",
+                Kind::Number(above(0.0, 1e-3)),
+                "Departure allowed where a law holds to rounding: ledgers, tables, phase functions, the rig.",
+            ),
+            field(
+                "ledger",
+                "",
+                Kind::Number(above(0.0, 1.0)),
+                "Residual of the shared paths' ledger, of the incident flux, at any wavelength and direction.",
+            ),
+            field(
+                "roulette",
+                "",
+                Kind::Number(above(0.0, 1.0)),
+                "Net effect of roulette, of the incident flux, mean over directions.",
+            ),
+            field(
+                "scattering_angle",
+                "",
+                Kind::Number(above(0.0, 1.0)),
+                "Mean cosine of the angles that paths turn by, against g.",
+            ),
+            field(
+                "cylinder",
+                "",
+                Kind::Number(above(0.0, 1.0)),
+                "Closed forms of the cylinder without scattering, of the incident flux.",
+            ),
+            field(
+                "two_roads",
+                "",
+                Kind::Number(above(0.0, 1.0)),
+                "Scattered light in f* from the BSSRDF against the direct f*, of the incident flux.",
+            ),
+            field(
+                "reciprocity",
+                "",
+                Kind::Number(above(0.0, 1.0)),
+                "Yarn's scattering one way against the other, and against its mirror images, of the incident flux.",
+            ),
+            field(
+                "cloth",
+                "",
+                Kind::Number(above(0.0, 1.0)),
+                "Reflected, transmitted and absorbed light of the cloth beyond 1.",
+            ),
+            field(
+                "sample",
+                "",
+                Kind::Number(above(0.0, 10.0)),
+                "Departure of a measurement from reciprocity and from a smooth curve, relative to its mean.",
+            ),
+        ],
+    },
 ];

@@ -17,9 +17,9 @@ use crate::spectrum::Samples;
 pub use crate::colour::Convention as ColourSection;
 pub use error::{Place, StudyError};
 pub use sections::{
-    CentreLineChoice, ClothSection, DistributionChoice, EstimatorChoice, InterferenceChoice, MeasuredSection,
-    MediumSection, NumberOrTable, RigSection, ShadeWith, SpectrumSection, SpecularSection, SweepSection, TraceSection,
-    WeaveChoice, YarnSection,
+    CentreLineChoice, CheckSection, ClothSection, DistributionChoice, EstimatorChoice, InterferenceChoice,
+    MeasuredSection, MediumSection, NumberOrTable, RigSection, ShadeWith, SpectrumSection, SpecularSection,
+    SweepSection, TraceSection, WeaveChoice, YarnSection,
 };
 
 /// A study. The default is the built-in one.
@@ -37,6 +37,7 @@ pub struct Study {
     pub colour: ColourSection,
     pub measured: MeasuredSection,
     pub sweep: SweepSection,
+    pub check: CheckSection,
 }
 
 impl Default for Study {
@@ -53,6 +54,7 @@ impl Default for Study {
             colour: Default::default(),
             measured: Default::default(),
             sweep: Default::default(),
+            check: Default::default(),
         }
     }
 }

@@ -318,6 +318,39 @@ impl Default for SweepSection {
     }
 }
 
+/// `[check]`: departures from a law that `specval check` must not miss.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CheckSection {
+    pub false_alarms: f64,
+    pub rounding: f64,
+    pub ledger: f64,
+    pub roulette: f64,
+    pub scattering_angle: f64,
+    pub cylinder: f64,
+    pub two_roads: f64,
+    pub reciprocity: f64,
+    pub cloth: f64,
+    pub sample: f64,
+}
+
+impl Default for CheckSection {
+    fn default() -> Self {
+        Self {
+            false_alarms: 1e-3,
+            rounding: 1e-12,
+            ledger: 0.05,
+            roulette: 0.002,
+            scattering_angle: 0.01,
+            cylinder: 0.002,
+            two_roads: 0.02,
+            reciprocity: 0.002,
+            cloth: 0.02,
+            sample: 0.1,
+        }
+    }
+}
+
 /// low, low + step, … up to high, to within a rounding of the number of steps.
 fn steps(low: f64, high: f64, step: f64) -> Vec<f64> {
     let last = ((high - low) / step + 1e-9).floor() as u32;

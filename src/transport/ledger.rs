@@ -1,4 +1,5 @@
 use super::Estimate;
+use crate::fault::{self, Fault};
 
 /// Where the light of one incident direction and wavelength went, as fractions of the incident flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,7 +33,11 @@ impl Ledger {
     }
 
     pub fn scaled(&self, factor: f64) -> Self {
-        Self::from_fractions(self.fractions().map(|fraction| fraction * factor))
+        let mut fractions = self.fractions().map(|fraction| fraction * factor);
+        if fault::active(Fault::HalfAbsorbed) {
+            fractions[3] *= 0.5;
+        }
+        Self::from_fractions(fractions)
     }
 
     /// Reflected, ballistic, scattered, absorbed, roulette.

@@ -9,6 +9,7 @@ pub enum Purpose {
     Camera = 3,
     Validation = 4,
     Energy = 5,
+    Check = 6,
 }
 
 /// The one source of random numbers: each (seed, purpose, direction, batch, wavelength) has a stream of its own,

@@ -1,5 +1,6 @@
 use super::radiance_factor::{FactorCells, LightSide};
 use super::{Effort, IncidentGrid, RadianceFactorGrid, Sharing, SurfaceGrid, Yarn, YarnError, add_scaled};
+use crate::fault::{self, Fault};
 use crate::geometry::{CellFinder, Sectors};
 use crate::transport::{Entry, Ledger, Purpose, Stream};
 use rayon::prelude::*;
@@ -219,8 +220,11 @@ impl<'a> PatchTracer<'a> {
                         .around
                         .sector(z * half_cos - x * half_sin, x * half_cos + z * half_sin);
                     let out = self.yarn.cylinder.frame(&exit.position).to_local(&exit.direction);
-                    let at = (azimuth * z_cells + self.grid.z_cell(exit.position.y)) * exits + self.exit.cell(&out);
-                    add_scaled(&mut fractions[at * wavelengths..][here.clone()], exit.weights, scale);
+                    let z = self.grid.z_cell(exit.position.y);
+                    let at = (azimuth * z_cells + z) * exits + self.exit.cell(&out);
+                    if !(fault::active(Fault::ZOverflow) && (z == 0 || z == z_cells - 1)) {
+                        add_scaled(&mut fractions[at * wavelengths..][here.clone()], exit.weights, scale);
+                    }
                     let omega_in = &exit.omega_in;
                     let light = LightSide {
                         x: omega_in.x,
@@ -231,7 +235,11 @@ impl<'a> PatchTracer<'a> {
                     // cos α of the light's azimuth from the patch's normal.
                     let facing = (exit.entry.x * omega_in.x + exit.entry.z * omega_in.z) * inverse_radius;
                     let across = (omega_in.x * omega_in.x + omega_in.z * omega_in.z).sqrt();
-                    let factor = scale * seen * facing / across.max(f64::MIN_POSITIVE);
+                    let cosine = match fault::active(Fault::MissingCosine) {
+                        true => 1.0,
+                        false => facing / across.max(f64::MIN_POSITIVE),
+                    };
+                    let factor = scale * seen * cosine;
                     let at = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
                     add_scaled(&mut values[at * wavelengths..][here.clone()], exit.weights, factor);
                 },

@@ -1,5 +1,6 @@
 use super::radiance_factor::{FactorCells, LightSide};
 use super::{Effort, LengthBins, LengthTally, RadianceFactorGrid, Sharing, Yarn, YarnError, add_scaled};
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use crate::transport::{Entry, Ledger, Purpose, Stream};
 use rayon::prelude::*;
@@ -100,7 +101,7 @@ impl<'a> DirectTracer<'a> {
                     }
                 },
                 |exit| {
-                    if exit.scattered {
+                    if exit.scattered || fault::active(Fault::BallisticBinned) {
                         let cell = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
                         add_scaled(&mut values[cell * wavelengths..][here.clone()], exit.weights, 1.0);
                         if let Some(of) = &self.lengths {

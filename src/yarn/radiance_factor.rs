@@ -1,4 +1,5 @@
 use super::{SurfaceGrid, YarnError};
+use crate::fault::{self, Fault};
 use crate::geometry::{Bilinear, CellFinder, Sectors, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::iter::zip;
@@ -68,7 +69,11 @@ impl RadianceFactorGrid {
     /// cell, 2 RΔφ long.
     pub fn radiance_factor_per_fraction(&self, tilt: usize, exit: usize) -> f64 {
         let width = TAU / self.surface.azimuths as f64;
-        self.mean_cosine(tilt) / (width * self.surface.exit.projected_solid_angle(exit))
+        let cosine = match fault::active(Fault::FactorOverCosine) {
+            true => 1.0,
+            false => self.mean_cosine(tilt),
+        };
+        cosine / (width * self.surface.exit.projected_solid_angle(exit))
     }
 
     /// f* in a cell per ∫∫ (fraction of the flux on a patch that leaves through it) cos α dω, 1/sr: the sum of the BSSRDF
@@ -128,7 +133,7 @@ impl WeightTally {
     #[inline]
     pub fn add(&mut self, omega_in: &Vec3, seen: &Bilinear) {
         let sin_tilt = omega_in.y.abs().min(1.0);
-        let axis_reversed = omega_in.y < 0.0;
+        let axis_reversed = omega_in.y < 0.0 && !fault::active(Fault::AxisMirror);
         // Azimuth of the point as seen from the light.
         let azimuth = -omega_in.x.atan2(omega_in.z);
         let tangent_reversed = azimuth < 0.0;

@@ -1,0 +1,352 @@
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// What a gate found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    Holds,
+    /// The law is broken, by more than chance or rounding.
+    Broken,
+    /// Not broken as far as can be seen, but a departure of the tolerance might have been missed.
+    Undecided,
+}
+
+impl Verdict {
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Broken => "broken",
+            Self::Undecided => "undecided",
+        }
+    }
+
+    /// Of several together: one broken law breaks the whole.
+    pub fn of_all(verdicts: impl IntoIterator<Item = Self>) -> Self {
+        verdicts.into_iter().fold(Self::Holds, |all, one| match (all, one) {
+            (Self::Broken, _) | (_, Self::Broken) => Self::Broken,
+            (Self::Undecided, _) | (_, Self::Undecided) => Self::Undecided,
+            _ => Self::Holds,
+        })
+    }
+}
+
+/// Where among a gate's cells.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Place {
+    pub wavelength_nm: Option<f64>,
+    /// The rest in words: direction, tilt, quantity.
+    pub at: String,
+}
+
+impl Place {
+    pub fn new(wavelength_nm: f64, at: impl Into<String>) -> Self {
+        Self {
+            wavelength_nm: Some(wavelength_nm),
+            at: at.into(),
+        }
+    }
+
+    /// At no wavelength.
+    pub fn named(at: impl Into<String>) -> Self {
+        Self {
+            wavelength_nm: None,
+            at: at.into(),
+        }
+    }
+}
+
+/// A law, by the name scripts know and in words.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law {
+    pub name: &'static str,
+    pub words: &'static str,
+}
+
+/// A law tested.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gate {
+    pub name: &'static str,
+    pub law: &'static str,
+    /// Values that the law was tested on, all together.
+    pub cells: usize,
+    /// The cell furthest from the law: by size for laws that hold to rounding, by size over error for the others.
+    pub worst: Place,
+    /// Departure of that cell from the law, in the unit of the tolerance.
+    pub value: f64,
+    /// Its standard error; 0 where nothing is random.
+    pub se: f64,
+    pub tolerance: f64,
+    /// Largest standard error of all cells.
+    pub largest_se: f64,
+    /// value / se; `None` where nothing is random.
+    pub z: Option<f64>,
+    /// Probability of a departure as large anywhere among the cells, if the law holds.
+    pub p: Option<f64>,
+    pub verdict: Verdict,
+    /// For `--paths`: how many would tell.
+    pub paths_to_tell: Option<u64>,
+    /// What else is to be known.
+    pub note: Option<String>,
+}
+
+/// Departures that rounding alone explains are not judged as chance, even where every batch has the same.
+const ROUNDING_OF_MEANS: f64 = 1e-12;
+
+/// The two ways to judge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judge {
+    /// Probability that a gate whose law holds breaks by chance.
+    pub level: f64,
+    /// As counted by `--paths`.
+    pub paths: u64,
+}
+
+impl Judge {
+    /// A law without chance: every departure is at most the tolerance. One that is no number breaks it.
+    pub fn exact(&self, law: Law, departures: &[f64], tolerance: f64, place: impl Fn(usize) -> Place) -> Gate {
+        // In this order NaN is the largest.
+        let worst = (0..departures.len()).max_by(|&a, &b| departures[a].abs().total_cmp(&departures[b].abs()));
+        let value = worst.map_or(0.0, |i| departures[i]);
+        Gate {
+            cells: departures.len(),
+            worst: worst.map(place).unwrap_or_default(),
+            value,
+            tolerance,
+            verdict: if value.abs() <= tolerance {
+                Verdict::Holds
+            } else {
+                Verdict::Broken
+            },
+            ..Gate::undecided(law)
+        }
+    }
+
+    /// The means of all cells are 0. `batches` are independent, [batch][cell].
+    pub fn zero(&self, law: Law, batches: &[Vec<f64>], tolerance: f64, place: impl Fn(usize) -> Place) -> Gate {
+        self.means(law, batches, tolerance, |t| t.abs(), 2.0, place)
+    }
+
+    /// The means of all cells are 0 or less.
+    pub fn at_most_zero(&self, law: Law, batches: &[Vec<f64>], tolerance: f64, place: impl Fn(usize) -> Place) -> Gate {
+        self.means(law, batches, tolerance, |t| t, 1.0, place)
+    }
+
+    /// Student's t of every cell from the spread of its batches, all cells together after Šidák (1967): with n cells the
+    /// joint p is 1 − (1 − p)ⁿ, exact for independent cells and too large, hence safe, for dependent ones.
+    fn means(
+        &self,
+        law: Law,
+        batches: &[Vec<f64>],
+        tolerance: f64,
+        size: fn(f64) -> f64,
+        sides: f64,
+        place: impl Fn(usize) -> Place,
+    ) -> Gate {
+        let estimates = estimates(batches);
+        let t = |i: usize| {
+            let [value, se]: [f64; 2] = estimates[i];
+            let t = size(value / se.hypot(ROUNDING_OF_MEANS));
+            if t.is_nan() { f64::INFINITY } else { t }
+        };
+        let Some(worst) = (0..estimates.len()).max_by(|&a, &b| t(a).total_cmp(&t(b))) else {
+            return Gate::undecided(law);
+        };
+        let [value, se] = estimates[worst];
+        let cells = estimates.len() as f64;
+        let student = StudentsT::new(0.0, 1.0, (batches.len() - 1) as f64).ok();
+        let p = student.map_or(f64::NAN, |student| {
+            let one = (sides * student.sf(t(worst))).min(1.0);
+            -(cells * (-one).ln_1p()).exp_m1()
+        });
+        // Beyond this a cell breaks the law.
+        let critical = student.map_or(f64::NAN, |student| {
+            let one = -((-self.level).ln_1p() / cells).exp_m1();
+            -student.inverse_cdf(one / sides)
+        });
+        let largest_se = estimates.iter().map(|e| e[1]).fold(0.0, f64::max);
+        // How many times the paths until no cell could hide a departure of the tolerance; one far below a bound hides none.
+        let hidden = |[value, se]: &[f64; 2]| {
+            let room = if sides == 1.0 { value.min(0.0) } else { 0.0 };
+            (critical * se / (tolerance - room)).powi(2)
+        };
+        let needed = estimates.iter().map(hidden).fold(0.0, f64::max);
+        let verdict = if p.is_nan() || p < self.level {
+            Verdict::Broken
+        } else if needed <= 1.0 {
+            Verdict::Holds
+        } else {
+            Verdict::Undecided
+        };
+        Gate {
+            cells: estimates.len(),
+            worst: place(worst),
+            value,
+            se,
+            tolerance,
+            largest_se,
+            z: Some(value / se.hypot(ROUNDING_OF_MEANS)),
+            p: Some(p),
+            verdict,
+            // A fifth more, since the error that says so is itself uncertain.
+            paths_to_tell: (verdict == Verdict::Undecided).then(|| (1.2 * needed * self.paths as f64).ceil() as u64),
+            ..Gate::undecided(law)
+        }
+    }
+}
+
+impl Gate {
+    /// A law of which nothing is known.
+    pub fn undecided(law: Law) -> Self {
+        Self {
+            name: law.name,
+            law: law.words,
+            cells: 0,
+            worst: Place::default(),
+            value: 0.0,
+            se: 0.0,
+            tolerance: 0.0,
+            largest_se: 0.0,
+            z: None,
+            p: None,
+            verdict: Verdict::Undecided,
+            paths_to_tell: None,
+            note: None,
+        }
+    }
+
+    pub fn with_note(self, note: impl Into<String>) -> Self {
+        Self {
+            note: Some(note.into()),
+            ..self
+        }
+    }
+
+    /// One line: where, how far, and what may be done.
+    pub fn message(&self) -> String {
+        let mut text = String::new();
+        if self.cells > 0 {
+            let nm = self.worst.wavelength_nm.map(|nm| format!("{nm} nm "));
+            text = format!(
+                "worst of {}: {}{}, {:.3e}",
+                self.cells,
+                nm.unwrap_or_default(),
+                self.worst.at,
+                self.value
+            );
+            text += &match (self.z, self.p) {
+                (Some(z), Some(p)) => format!(" ± {:.1e} (z {z:.2}, joint p {p:.2e})", self.se),
+                _ => format!(", tolerance {:.0e}", self.tolerance),
+            };
+        }
+        if self.verdict == Verdict::Undecided && self.cells > 0 {
+            text += &format!("; a departure of {:.1e} might be missed", self.tolerance);
+        }
+        if let Some(paths) = self.paths_to_tell {
+            text += &format!(": --paths {paths} would tell");
+        }
+        if let Some(note) = &self.note {
+            let gap = if text.is_empty() { "" } else { "; " };
+            text += &format!("{gap}{note}");
+        }
+        text
+    }
+}
+
+/// Mean of each cell and its standard error.
+pub(super) fn estimates(batches: &[Vec<f64>]) -> Vec<[f64; 2]> {
+    let Some(first) = batches.first() else {
+        return Vec::new();
+    };
+    let n = batches.len() as f64;
+    let mut means = vec![0.0; first.len()];
+    for batch in batches {
+        means.iter_mut().zip(batch).for_each(|(mean, x)| *mean += x / n);
+    }
+    let mut squares = vec![0.0; first.len()];
+    for batch in batches {
+        for ((square, x), mean) in squares.iter_mut().zip(batch).zip(&means) {
+            *square += (x - mean) * (x - mean);
+        }
+    }
+    means
+        .into_iter()
+        .zip(squares)
+        .map(|(mean, square)| [mean, (square / (n * (n - 1.0))).sqrt()])
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAW: Law = Law { name: "law", words: "" };
+    const JUDGE: Judge = Judge {
+        level: 1e-3,
+        paths: 1000,
+    };
+
+    fn batches(values: &[f64]) -> Vec<Vec<f64>> {
+        values.iter().map(|&x| vec![x]).collect()
+    }
+
+    /// t = 3.0 with 9 degrees of freedom has p 0.01496 on both sides together (tables of Student's t).
+    #[test]
+    fn one_cell_has_students_p() {
+        let spread = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
+        let se = (10.0f64 / 90.0).sqrt();
+        let shifted: Vec<f64> = spread.iter().map(|x| x + 3.0 * se).collect();
+        let gate = JUDGE.zero(LAW, &batches(&shifted), 1e9, |_| Place::default());
+        assert!((gate.p.unwrap() - 0.014956).abs() < 1e-5, "{gate:?}");
+        assert_eq!(gate.verdict, Verdict::Holds);
+        let one_sided = JUDGE.at_most_zero(LAW, &batches(&shifted), 1e9, |_| Place::default());
+        assert!((one_sided.p.unwrap() - 0.007478).abs() < 1e-5);
+        let below: Vec<f64> = shifted.iter().map(|x| -x - 100.0).collect();
+        assert_eq!(
+            JUDGE
+                .at_most_zero(LAW, &batches(&below), 1e9, |_| Place::default())
+                .verdict,
+            Verdict::Holds
+        );
+    }
+
+    #[test]
+    fn too_few_paths_cannot_tell_and_say_how_many_would() {
+        let values = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
+        let gate = JUDGE.zero(LAW, &batches(&values), 0.1, |_| Place::default());
+        assert_eq!(gate.verdict, Verdict::Undecided);
+        // t of 1e-3 on both sides with 9 degrees of freedom is 4.781.
+        let expected = 1.2 * (4.781 * (10.0f64 / 90.0).sqrt() / 0.1).powi(2) * 1000.0;
+        assert!(
+            (gate.paths_to_tell.unwrap() as f64 / expected - 1.0).abs() < 1e-3,
+            "{gate:?}"
+        );
+    }
+
+    /// A cell that no batch changes is known to rounding; what is no number breaks a law.
+    #[test]
+    fn no_spread_and_no_number() {
+        assert_eq!(
+            JUDGE.zero(LAW, &batches(&[0.0; 8]), 0.1, |_| Place::default()).verdict,
+            Verdict::Holds
+        );
+        assert_eq!(
+            JUDGE.zero(LAW, &batches(&[1e-9; 8]), 0.1, |_| Place::default()).verdict,
+            Verdict::Broken
+        );
+        assert_eq!(
+            JUDGE
+                .zero(LAW, &batches(&[f64::NAN; 8]), 0.1, |_| Place::default())
+                .verdict,
+            Verdict::Broken
+        );
+        assert_eq!(
+            JUDGE.exact(LAW, &[0.0, f64::NAN], 1.0, |_| Place::default()).verdict,
+            Verdict::Broken
+        );
+        assert_eq!(
+            JUDGE.exact(LAW, &[0.0, -1e-13], 1e-12, |_| Place::default()).verdict,
+            Verdict::Holds
+        );
+    }
+}

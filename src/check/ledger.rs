@@ -1,0 +1,151 @@
+//! Where the light went: the energy ledger of every wavelength and incident direction, and the white furnace.
+
+use super::gate::{Gate, Law, Place};
+use super::{CheckError, Context, Quantity};
+use crate::study::NumberOrTable;
+use crate::transport::{Ledger, Roulette};
+use crate::yarn::{Effort, EnergyTracer, Estimator, Yarn};
+use std::iter::zip;
+
+const INDEPENDENT: Law = Law {
+    name: "ledger",
+    words: "independent paths: reflected + ballistic + scattered + absorbed + roulette is 1",
+};
+const SHARED: Law = Law {
+    name: "ledger-shared",
+    words: "shared paths: the same sum is 1 in the mean",
+};
+const ROULETTE: Law = Law {
+    name: "roulette",
+    words: "roulette takes as much as it gives, as the study plays it and played at every step",
+};
+const FURNACE: Law = Law {
+    name: "white-furnace",
+    words: "with absorption off nothing is absorbed and all light comes back",
+};
+
+/// Roulette that nearly every path plays at nearly every step, and mostly survives, so that a bias shows.
+const PLAYED_BELOW: f64 = 0.99;
+const PLAYED_SURVIVAL: f64 = 0.8;
+
+/// Batches and paths of ledgers that close to rounding, whatever their number.
+const CLOSING: (usize, u64) = (2, 128);
+
+/// A fraction of the ledger by its name.
+type Fraction = (&'static str, fn(&Ledger) -> f64);
+
+/// The gates, and the mean fractions as quantities that a baseline can be compared in.
+pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError> {
+    let plan = context.plan;
+    let check = &plan.study.check;
+    let judge = &context.judge;
+    let closing = Effort::new(plan.study.seed, CLOSING.0, CLOSING.1)?;
+    let independent = Yarn {
+        estimator: Estimator::Independent,
+        ..plan.yarn.clone()
+    };
+    let departures =
+        |batches: Vec<Vec<Ledger>>, of: fn(&Ledger) -> f64| -> Vec<f64> { batches.iter().flatten().map(of).collect() };
+    let closed = departures(traced(context, &independent, closing)?, Ledger::residual);
+    let mut gates = vec![judge.exact(INDEPENDENT, &closed, check.rounding, |i| place(context, i))];
+
+    let mut white = plan.study.medium.clone();
+    white.kappa_peak = 0.0;
+    white.host_mu_a_per_mm = NumberOrTable::Number(0.0);
+    let furnace = Yarn {
+        estimator: Estimator::Independent,
+        ..plan.yarn_of(&white)?
+    };
+    let lost = departures(traced(context, &furnace, closing)?, |ledger| {
+        let residual = ledger.residual();
+        if ledger.absorbed.abs() > residual.abs() {
+            ledger.absorbed
+        } else {
+            residual
+        }
+    });
+    gates.push(judge.exact(FURNACE, &lost, check.rounding, |i| place(context, i)));
+
+    let paths = context.of_estimator(context.judge.paths);
+    let effort = Effort::new(plan.study.seed, context.batches, paths)?;
+    let batches = traced(context, &plan.yarn, effort)?;
+    let wavelengths = plan.grid.len();
+    let means = |of: fn(&Ledger) -> f64| means_over_directions(context, &batches, of);
+    if plan.yarn.estimator_in_use() == Estimator::Shared {
+        let residuals: Vec<Vec<f64>> = batches
+            .iter()
+            .map(|batch| batch.iter().map(Ledger::residual).collect())
+            .collect();
+        let tolerance = check.ledger * context.widening;
+        gates.push(judge.zero(SHARED, &residuals, tolerance, |i| place(context, i)));
+    }
+    let played = Yarn {
+        roulette: Roulette::new(PLAYED_BELOW, PLAYED_SURVIVAL)?,
+        estimator: plan.yarn.estimator,
+        ..furnace
+    };
+    let half = Effort::new(plan.study.seed, context.batches, paths / 2)?;
+    let played = traced(context, &played, half)?;
+    let net = |ledger: &Ledger| ledger.roulette;
+    let mut nets = means(net);
+    for (own, played) in zip(&mut nets, means_over_directions(context, &played, net)) {
+        own.extend(played);
+    }
+    let tolerance = check.roulette * context.widening;
+    gates.push(judge.zero(ROULETTE, &nets, tolerance, |i| {
+        let yarn = if i < wavelengths {
+            "the study's yarn"
+        } else {
+            "white yarn, played always"
+        };
+        Place::new(plan.grid.nm()[i % wavelengths], format!("{yarn}, mean over directions"))
+    }));
+    let mut quantities = Vec::new();
+    let fractions: [Fraction; 4] = [
+        ("reflected", |ledger| ledger.reflected),
+        ("ballistic", |ledger| ledger.ballistic),
+        ("scattered", |ledger| ledger.scattered),
+        ("absorbed", |ledger| ledger.absorbed),
+    ];
+    for (name, of) in fractions {
+        quantities.extend(context.quantities(name, &means(of)));
+    }
+    Ok((gates, quantities))
+}
+
+/// Mean over all directions, mirrored ones alike: [batch][wavelength].
+fn means_over_directions(context: &Context, batches: &[Vec<Ledger>], of: fn(&Ledger) -> f64) -> Vec<Vec<f64>> {
+    let wavelengths = context.plan.grid.len();
+    let share = 1.0 / context.plan.incident.traced() as f64;
+    let of_batch = |batch: &Vec<Ledger>| -> Vec<f64> {
+        let mut means = vec![0.0; wavelengths];
+        for row in batch.chunks_exact(wavelengths) {
+            zip(&mut means, row).for_each(|(mean, ledger)| *mean += share * of(ledger));
+        }
+        means
+    };
+    batches.iter().map(of_batch).collect()
+}
+
+/// [batch][traced direction × wavelength].
+fn traced(context: &Context, yarn: &Yarn, effort: Effort) -> Result<Vec<Vec<Ledger>>, CheckError> {
+    let tracer = EnergyTracer::new(yarn, context.plan.incident, effort, None)?;
+    Ok((0..effort.batches).map(|batch| tracer.batch(batch).ledgers).collect())
+}
+
+/// Of traced direction × wavelength, over and over for every batch.
+fn place(context: &Context, i: usize) -> Place {
+    let plan = context.plan;
+    let (wavelengths, traced) = (plan.grid.len(), plan.incident.traced());
+    let direction = i / wavelengths % traced;
+    let all = 0..plan.incident.len();
+    let shown = all
+        .into_iter()
+        .find(|&k| plan.incident.representative(k).0 == direction)
+        .unwrap_or(direction);
+    let [theta, phi] = plan.incident.angles_deg(shown);
+    Place::new(
+        plan.grid.nm()[i % wavelengths],
+        format!("theta_in {theta} deg, phi_in {phi} deg"),
+    )
+}

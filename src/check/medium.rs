@@ -1,0 +1,154 @@
+//! The medium: passive, dyed within its table, with phase functions that are densities and that paths turn by.
+
+use super::gate::{Gate, Law, Place};
+use super::{CheckError, Context};
+use crate::geometry::Vec3;
+use crate::optics::{Medium, Phase, PhaseTable};
+use crate::run::dye_on;
+use crate::transport::{Coefficients, Cylinder, Entry, Interior, Purpose, Roulette, Stream, Walk};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Of g, between table and series: what [`Medium::new`] asks of its tables.
+const ASYMMETRY: f64 = 1e-6;
+
+pub const PASSIVE: Law = Law {
+    name: "passive-medium",
+    words: "mu_s and mu_a are 0 or more at every wavelength: no gain",
+};
+const DYE: Law = Law {
+    name: "dye",
+    words: "the dye is between 0 and 1, its peak",
+};
+const NORMALISED: Law = Law {
+    name: "phase-normalised",
+    words: "the phase function integrates to 1 over the sphere",
+};
+const G: Law = Law {
+    name: "phase-asymmetry",
+    words: "the mean cosine of the phase function is the g of the Mie series",
+};
+const ANGLE: Law = Law {
+    name: "scattering-angle",
+    words: "paths turn by angles whose mean cosine is g, at every wavelength that shares them",
+};
+
+pub fn passive(medium: &Medium, tolerance: &Context) -> Gate {
+    let (mu_s, mu_a) = (medium.mu_s_per_mm(), medium.mu_a_per_mm());
+    let nm = medium.grid().nm();
+    // What is negative is gain; NaN stays.
+    let gain = |mu: &f64| if *mu >= 0.0 { 0.0 } else { -mu };
+    let departures: Vec<f64> = mu_s.iter().chain(mu_a).map(gain).collect();
+    tolerance.judge.exact(PASSIVE, &departures, 0.0, |i| {
+        let quantity = if i < nm.len() { "mu_s, 1/mm" } else { "mu_a, 1/mm" };
+        Place::new(nm[i % nm.len()], quantity)
+    })
+}
+
+pub fn tables(context: &Context) -> Result<Vec<Gate>, CheckError> {
+    let Context { plan, judge, .. } = context;
+    let rounding = plan.study.check.rounding;
+    let medium = &plan.yarn.medium;
+    let nm = plan.grid.nm();
+    let at = |i: usize| Place::new(nm[i], "");
+    let beyond = |value: &f64| value - value.clamp(0.0, 1.0);
+    let dye: Vec<f64> = dye_on(&plan.study, &plan.grid)?.values().iter().map(beyond).collect();
+    let integrals: Vec<[f64; 2]> = (0..nm.len()).map(|w| integrals(medium.phase(w))).collect();
+    let norms: Vec<f64> = integrals.iter().map(|of| of[0] - 1.0).collect();
+    let asymmetries: Vec<f64> = integrals.iter().zip(medium.g()).map(|(of, g)| of[1] - g).collect();
+    Ok(vec![
+        judge.exact(DYE, &dye, rounding, at),
+        judge.exact(NORMALISED, &norms, rounding, at),
+        judge.exact(G, &asymmetries, ASYMMETRY, at),
+    ])
+}
+
+/// ∫ p dω and ∫ p cosθ dω, exact for a density linear in cosθ between the nodes of a table.
+fn integrals(phase: &Phase) -> [f64; 2] {
+    match phase {
+        Phase::Table(table) => of_table(table),
+        Phase::HenyeyGreenstein(_) => [1.0, phase.g()],
+    }
+}
+
+fn of_table(table: &PhaseTable) -> [f64; 2] {
+    let density = table.density();
+    let last = density.len() - 1;
+    let cosine = |k: usize| 1.0 - 2.0 * (k as f64 / last as f64).powi(2);
+    let mut sums = [0.0; 2];
+    for k in 0..last {
+        let (near, far) = (cosine(k), cosine(k + 1));
+        let half = 0.5 * (near - far);
+        let middle = 0.5 * (near + far);
+        let mean = 0.5 * (density[k] + density[k + 1]);
+        let slope = 0.5 * (density[k] - density[k + 1]);
+        // p = mean + slope t, cosθ = middle + half t, t in −1..1.
+        sums[0] += 2.0 * PI * half * 2.0 * mean;
+        sums[1] += 2.0 * PI * half * (2.0 * mean * middle + 2.0 / 3.0 * slope * half);
+    }
+    sums
+}
+
+/// So thin that next to nothing scatters twice: 2 μ_s R.
+const THIN: f64 = 1e-6;
+
+/// One scattering in an index-matched cylinder, by the kernel itself: the first flight of a path is drawn under the condition
+/// that it meets a particle, so every path does. All wavelengths have the same μ_s here, and share paths.
+pub fn angles(context: &Context) -> Result<Gate, CheckError> {
+    let Context { plan, judge, .. } = context;
+    let medium = &plan.yarn.medium;
+    let nm = plan.grid.nm();
+    let radius_mm = plan.yarn.cylinder.radius_mm();
+    let cylinder = Cylinder::new(radius_mm)?;
+    let coefficients: Vec<Coefficients<'_>> = (0..nm.len())
+        .map(|w| Coefficients {
+            mu_s: 0.5 * THIN / radius_mm,
+            mu_a: 0.0,
+            phase: medium.phase(w),
+        })
+        .collect();
+    let interior = Interior::new(1.0, &coefficients)?;
+    let walk = Walk {
+        shape: &cylinder,
+        interior: &interior,
+        roulette: Roulette::default(),
+    };
+    let entry = Entry {
+        position: cylinder.at(0.0),
+        normal: Vec3::z(),
+        omega_in: Vec3::z(),
+    };
+    let paths = context.share(4) as usize;
+    let batches: Vec<Vec<f64>> = (0..context.batches)
+        .into_par_iter()
+        .map(|batch| {
+            let stream = Stream::open(plan.study.seed, Purpose::Check, ANGLE_STREAM, batch, 0);
+            let mut cosines = vec![0.0; nm.len()];
+            let mut amounts = vec![0.0; nm.len()];
+            walk.trace(
+                stream,
+                paths,
+                |_| entry,
+                |exit| {
+                    if exit.scattered {
+                        for ((cosine, amount), weight) in cosines.iter_mut().zip(&mut amounts).zip(exit.weights) {
+                            *cosine -= weight * exit.direction.z;
+                            *amount += weight;
+                        }
+                    }
+                },
+            );
+            // Σ w (cosθ − g) over its expected Σ w, the paths times 2 μ_s R: free of the bias of a ratio.
+            let expected = paths as f64 * -(-THIN).exp_m1();
+            let cells = cosines.iter().zip(&amounts).zip(medium.g());
+            cells
+                .map(|((cosine, amount), g)| (cosine - amount * g) / expected)
+                .collect()
+        })
+        .collect();
+    let tolerance = plan.study.check.scattering_angle * context.widening;
+    Ok(judge.zero(ANGLE, &batches, tolerance, |i| Place::new(nm[i], "")))
+}
+
+/// In place of a direction, apart from those of the far field's tilts.
+const ANGLE_STREAM: usize = 1 << 20;

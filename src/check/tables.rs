@@ -1,0 +1,163 @@
+//! BSSRDF and f*: both integrate to the ledger's scattered light, and the two roads to f* lead to the same.
+
+use super::gate::{Gate, Law, Place};
+use super::{CheckError, Context};
+use crate::transport::Ledger;
+use crate::yarn::{BssrdfGrid, DirectBatch, DirectTracer, Effort, PatchTracer, RadianceFactorGrid, SurfaceGrid};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::iter::zip;
+
+const BSSRDF: Law = Law {
+    name: "bssrdf-integral",
+    words: "the BSSRDF, with what leaves beyond its last z, integrates to the ledger's scattered light",
+};
+const FACTOR: Law = Law {
+    name: "radiance-factor-integral",
+    words: "f* integrates over surface and directions to the ledger's scattered light",
+};
+const ROADS: Law = Law {
+    name: "two-roads",
+    words: "f* summed from the BSSRDF over the lit surface sends out the light that a parallel beam does",
+};
+
+/// Batches of tables on the study's own axes that are integrated; the BSSRDF has 0.15 GB each.
+const TABLES: usize = 2;
+
+/// One direct batch after the other to each of the sinks, so that no more than one table is held.
+pub fn direct(
+    context: &Context,
+    mut sink: impl FnMut(&DirectBatch) -> Result<(), CheckError>,
+) -> Result<Gate, CheckError> {
+    let Context { plan, judge, .. } = context;
+    let grid = plan.factor_grid;
+    let wavelengths = plan.grid.len();
+    let paths = context.of_estimator(context.share(8) * context.cloth_batches as u64);
+    let effort = Effort::new(plan.study.seed, context.cloth_batches, paths)?;
+    let tracer = DirectTracer::new(&plan.yarn, grid, effort, None)?;
+    let mut departures = Vec::new();
+    for batch in 0..context.cloth_batches {
+        let batch = tracer.batch(batch);
+        if departures.len() < TABLES * batch.ledgers.len() {
+            departures.extend(integral_departures(&grid, &batch, wavelengths));
+        }
+        sink(&batch)?;
+    }
+    Ok(judge.exact(FACTOR, &departures, plan.study.check.rounding, |i| {
+        let cell = i % (grid.tilts() * wavelengths);
+        Place::new(
+            plan.grid.nm()[cell % wavelengths],
+            tilt_words(&grid, cell / wavelengths),
+        )
+    }))
+}
+
+/// ∮∫ f* cosθ dω R dφ over the yarn is what the beam's 2R cosψ E⊥ scatters: written out from the cells' edges alone.
+fn integral_departures(grid: &RadianceFactorGrid, batch: &DirectBatch, wavelengths: usize) -> Vec<f64> {
+    let exit = grid.surface().exit();
+    let (rows, columns) = (exit.theta_cells(), exit.phi_cells());
+    let width = TAU / grid.surface().azimuths() as f64;
+    let edge = |i: usize| (i as f64 * FRAC_PI_2 / rows as f64).cos();
+    // ∫ cosθ dω over a cell of the row.
+    let projected: Vec<f64> = (0..rows)
+        .map(|i| PI / columns as f64 * (edge(i).powi(2) - edge(i + 1).powi(2)))
+        .collect();
+    let mut departures = Vec::with_capacity(batch.ledgers.len());
+    for tilt in 0..grid.tilts() {
+        let [low, high] = grid.tilt_edges(tilt);
+        let met = 2.0 * (high.sin() - low.sin()) / (high - low);
+        let mut sums = vec![0.0; wavelengths];
+        for azimuth in 0..grid.azimuths() {
+            for exit in 0..exit.cells() {
+                // A cell stands for its mirror image, too.
+                let share = 2.0 * width * projected[exit / columns] / met;
+                let row = &batch.radiance_factor[grid.cell(tilt, azimuth, exit) * wavelengths..][..wavelengths];
+                zip(&mut sums, row).for_each(|(sum, f)| *sum += share * f);
+            }
+        }
+        let scattered = &batch.ledgers[tilt * wavelengths..][..wavelengths];
+        departures.extend(zip(sums, scattered).map(|(sum, ledger)| sum - ledger.scattered));
+    }
+    departures
+}
+
+fn tilt_words(grid: &RadianceFactorGrid, tilt: usize) -> String {
+    let [low, high] = grid.tilt_edges(tilt).map(f64::to_degrees);
+    format!("tilt {low:.0} to {high:.0} deg")
+}
+
+pub fn bssrdf(context: &Context) -> Result<Gate, CheckError> {
+    let Context { plan, judge, .. } = context;
+    let grid = plan.bssrdf_grid()?;
+    let wavelengths = plan.grid.len();
+    let effort = Effort::new(plan.study.seed, TABLES, context.of_estimator(2 * context.share(1)))?;
+    let summed = RadianceFactorGrid::new(1, SurfaceGrid::new(4, 1, 4)?)?;
+    let tracer = PatchTracer::new(&plan.yarn, grid.clone(), summed, effort)?;
+    let per_direction: usize = grid.shape()[1..].iter().product();
+    let mut departures = Vec::new();
+    for batch in 0..TABLES {
+        let batch = tracer.batch(batch);
+        for (direction, fractions) in batch.fractions.chunks_exact(per_direction).enumerate() {
+            let mut sums = vec![0.0; wavelengths];
+            for row in fractions.chunks_exact(wavelengths) {
+                zip(&mut sums, row).for_each(|(sum, fraction)| *sum += fraction);
+            }
+            let ledgers: &[Ledger] = &batch.ledgers[direction * wavelengths..][..wavelengths];
+            departures.extend(zip(sums, ledgers).map(|(sum, ledger)| sum - ledger.scattered));
+        }
+    }
+    Ok(judge.exact(BSSRDF, &departures, plan.study.check.rounding, |i| {
+        let direction = i / wavelengths % plan.incident.traced();
+        Place::new(plan.grid.nm()[i % wavelengths], format!("traced direction {direction}"))
+    }))
+}
+
+/// Tilts, and azimuths around the yarn (lit side, rim, far side), of which the two roads are compared.
+const ROAD_TILTS: usize = 4;
+const ROAD_AZIMUTHS: usize = 12;
+const ROAD_SIDES: usize = 3;
+
+pub fn two_roads(context: &Context) -> Result<Gate, CheckError> {
+    let Context { plan, judge, .. } = context;
+    let wavelengths = plan.grid.len();
+    let surface = SurfaceGrid::new(ROAD_AZIMUTHS, 1, 4)?;
+    let grid = RadianceFactorGrid::new(ROAD_TILTS, surface)?;
+    let batches = context.batches;
+    let effort = |share| {
+        Effort::new(
+            plan.study.seed,
+            batches,
+            context.of_estimator(context.share(share) * batches as u64),
+        )
+    };
+    let axes = BssrdfGrid::new(&plan.yarn, plan.incident, SurfaceGrid::new(4, 1, 4)?, 2)?;
+    let patch = PatchTracer::new(&plan.yarn, axes, grid, effort(1)?)?;
+    let direct = DirectTracer::new(&plan.yarn, grid, effort(8)?, None)?;
+    let per_side = grid.azimuths() / ROAD_SIDES;
+    let differences: Vec<Vec<f64>> = (0..batches)
+        .map(|batch| {
+            let (patch, direct) = (patch.batch(batch), direct.batch(batch));
+            let mut cells = vec![0.0; ROAD_TILTS * ROAD_SIDES * wavelengths];
+            for tilt in 0..ROAD_TILTS {
+                for azimuth in 0..grid.azimuths() {
+                    for exit in 0..surface.exit().cells() {
+                        let share = 1.0 / grid.radiance_factor_per_fraction(tilt, exit);
+                        let at = grid.cell(tilt, azimuth, exit) * wavelengths;
+                        let to = (tilt * ROAD_SIDES + azimuth / per_side) * wavelengths;
+                        for w in 0..wavelengths {
+                            let difference = patch.radiance_factor[at + w] - direct.radiance_factor[at + w];
+                            cells[to + w] += share * difference;
+                        }
+                    }
+                }
+            }
+            cells
+        })
+        .collect();
+    let tolerance = plan.study.check.two_roads * context.widening;
+    Ok(judge.zero(ROADS, &differences, tolerance, |i| {
+        let cell = i / wavelengths;
+        let side = ["lit side", "rim", "far side"][cell % ROAD_SIDES];
+        let tilt = tilt_words(&grid, cell / ROAD_SIDES);
+        Place::new(plan.grid.nm()[i % wavelengths], format!("{tilt}, {side}"))
+    }))
+}

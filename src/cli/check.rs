@@ -1,0 +1,87 @@
+use super::{Failure, Options, Terminal, study};
+use specval::check::{self, Baseline, CheckEffort, Checked, Verdict, annotations, junit, table};
+use specval::report::{check_writable, write_whole};
+use specval::run::Plan;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Tests the laws of physics on a study, or a measurement by itself. Exit code 0: all hold; 1: one is broken; 2: it cannot
+/// be told, or bad input.
+///
+/// `--paths` is of the shared ledger, for each traced direction; the other gates trace in proportion.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Study file; without it the built-in study.
+    #[arg(value_name = "STUDY")]
+    study: Option<PathBuf>,
+    /// An eighth of the paths, tolerances of what is random 2.8 times as wide.
+    #[arg(long)]
+    quick: bool,
+    /// Test a measurement instead of a study: a built-in name, a folder or a CSV file. Tolerances are the study's.
+    #[arg(long, value_name = "SAMPLE", conflicts_with_all = ["quick", "against"])]
+    sample: Option<String>,
+    /// Compare with an earlier result as well: the document of `check --json`.
+    #[arg(long, value_name = "FILE")]
+    against: Option<PathBuf>,
+    /// Write the gates as a JUnit XML file, too.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Print annotations for GitHub Actions on stderr.
+    #[arg(long)]
+    github: bool,
+}
+
+const BROKEN: u8 = 1;
+const UNDECIDED: u8 = 2;
+
+pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<ExitCode, Failure> {
+    if let Some(path) = &arguments.junit {
+        check_writable(path)?;
+    }
+    let study = study::load(arguments.study.as_deref(), options)?;
+    let checked = match &arguments.sample {
+        Some(sample) => check::sample(sample, &study.check)?,
+        None => of_study(arguments, options, terminal, study)?,
+    };
+    if let Some(path) = &arguments.junit {
+        write_whole(path, &junit(&checked)?)?;
+    }
+    if arguments.github {
+        // With stderr closed there is no one left to annotate for.
+        let _ = std::io::stderr().write_all(annotations(&checked).as_bytes());
+    }
+    terminal.result(&checked, table)?;
+    Ok(match checked.verdict {
+        Verdict::Holds => ExitCode::SUCCESS,
+        Verdict::Broken => ExitCode::from(BROKEN),
+        Verdict::Undecided => ExitCode::from(UNDECIDED),
+    })
+}
+
+fn of_study(
+    arguments: &Arguments,
+    options: &Options,
+    terminal: &Terminal,
+    study: specval::study::Study,
+) -> Result<Checked, Failure> {
+    let baseline = arguments
+        .against
+        .as_deref()
+        .map(|path: &Path| Baseline::read(path))
+        .transpose()?;
+    let effort = match options.paths {
+        Some(paths) => CheckEffort::of_paths(paths.get())?,
+        None if arguments.quick => CheckEffort::quick(),
+        None => CheckEffort::standard(),
+    };
+    let plan = Plan::new(study)?;
+    let checking = terminal.progress("checking");
+    let checked = check::study(&plan, effort, &|share| checking.advance(share));
+    checking.finish();
+    let mut checked = checked?;
+    if let Some(baseline) = baseline {
+        baseline.compare(&mut checked, plan.study.check.false_alarms)?;
+    }
+    Ok(checked)
+}

@@ -1,0 +1,94 @@
+//! Deliberate faults of the physics, for tests alone: each must turn a gate of [`crate::check`] red.
+//!
+//! Without the cargo feature `faults` (off by default, never in a release) [`active`] is a constant `false` and the seams
+//! compile to nothing. With it one fault may be named in the environment variable `SPECVAL_FAULT`, read once.
+
+/// One fault, named in `SPECVAL_FAULT` as [`Fault::name`] says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The particles' index n − iκ under the time factor exp(−iωt): they amplify.
+    KappaSign,
+    /// Fresnel's reflectance of s-polarised light for unpolarised.
+    FresnelPolarisation,
+    /// f* summed from the BSSRDF without the cosine of incidence on the patch.
+    MissingCosine,
+    /// Shading with f* multiplies by the cosine of incidence that f* holds already.
+    DoubleCosine,
+    /// Survivors of roulette are worth 1 % too much.
+    RouletteBias,
+    /// Phase tables read one node late.
+    PhaseBin,
+    /// Light beyond the last z edge is dropped from the BSSRDF.
+    ZOverflow,
+    /// Colour-matching functions read 10 nm beside.
+    ObserverShift,
+    /// f* divided by the cosine of the tilt, as a BRDF would be.
+    FactorOverCosine,
+    /// Ballistic light binned into f* as well.
+    BallisticBinned,
+    /// Illuminant D65 in place of E, and E in place of D65.
+    IlluminantSwap,
+    /// Dyes 2 % stronger than their tables.
+    DyeScale,
+    /// Light from one side of the yarn's normal plane looked up on the other.
+    AxisMirror,
+    /// Absorbed light counted at half of what it is.
+    HalfAbsorbed,
+}
+
+impl Fault {
+    pub const ALL: [Self; 14] = [
+        Self::KappaSign,
+        Self::FresnelPolarisation,
+        Self::MissingCosine,
+        Self::DoubleCosine,
+        Self::RouletteBias,
+        Self::PhaseBin,
+        Self::ZOverflow,
+        Self::ObserverShift,
+        Self::FactorOverCosine,
+        Self::BallisticBinned,
+        Self::IlluminantSwap,
+        Self::DyeScale,
+        Self::AxisMirror,
+        Self::HalfAbsorbed,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::KappaSign => "kappa-sign",
+            Self::FresnelPolarisation => "fresnel-polarisation",
+            Self::MissingCosine => "missing-cosine",
+            Self::DoubleCosine => "double-cosine",
+            Self::RouletteBias => "roulette-bias",
+            Self::PhaseBin => "phase-bin",
+            Self::ZOverflow => "z-overflow",
+            Self::ObserverShift => "observer-shift",
+            Self::FactorOverCosine => "factor-over-cosine",
+            Self::BallisticBinned => "ballistic-binned",
+            Self::IlluminantSwap => "illuminant-swap",
+            Self::DyeScale => "dye-scale",
+            Self::AxisMirror => "axis-mirror",
+            Self::HalfAbsorbed => "half-absorbed",
+        }
+    }
+}
+
+/// Whether this fault is to be committed.
+#[cfg(not(feature = "faults"))]
+#[inline(always)]
+pub const fn active(_: Fault) -> bool {
+    false
+}
+
+/// Whether this fault is to be committed: the one that `SPECVAL_FAULT` names. A name of none is none.
+#[cfg(feature = "faults")]
+#[inline]
+pub fn active(fault: Fault) -> bool {
+    use std::sync::LazyLock;
+    static CHOSEN: LazyLock<Option<Fault>> = LazyLock::new(|| {
+        let name = std::env::var("SPECVAL_FAULT").ok()?;
+        Fault::ALL.into_iter().find(|fault| fault.name() == name)
+    });
+    *CHOSEN == Some(fault)
+}

@@ -1,0 +1,171 @@
+//! `specval check` as typed: verdicts, exit codes, outputs, the baseline, and how often chance breaks a gate.
+
+mod command;
+
+use command::specval;
+use serde_json::Value;
+use specval::check::{self, CheckEffort, Verdict};
+use specval::run::Plan;
+use specval::study::Study;
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+/// Few wavelengths and small tables; everything else as in the built-in study.
+const SMALL: &str = "
+[spectrum]
+wavelengths_nm = [430.0, 530.0, 660.0]
+[trace]
+bssrdf_azimuth_cells = 4
+bssrdf_exit_theta_cells = 2
+bssrdf_exit_phi_cells = 4
+exit_azimuth_cells = 12
+exit_theta_cells = 4
+exit_phi_cells = 8
+[rig]
+pixels_per_side = 8
+";
+/// Wide enough for the fewest paths.
+const WIDE: &str = "
+[check]
+ledger = 1.0
+roulette = 1.0
+scattering_angle = 1.0
+cylinder = 1.0
+two_roads = 1.0
+reciprocity = 1.0
+cloth = 1.0
+";
+
+fn document(output: &Output) -> Value {
+    let text = String::from_utf8_lossy(&output.stderr);
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+fn gate<'d>(document: &'d Value, name: &str) -> &'d Value {
+    let gates = document["gates"].as_array().unwrap();
+    gates.iter().find(|gate| gate["name"] == name).unwrap()
+}
+
+#[test]
+fn verdicts_baseline_and_outputs() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    fs::write(here.join("study.toml"), format!("{SMALL}{WIDE}")).unwrap();
+    let base = ["check", "study.toml", "--paths", "4096", "--json"];
+    let first = specval(here, &base);
+    let checked = document(&first);
+    assert_eq!(first.status.code(), Some(0), "{checked:#}");
+    assert_eq!(checked["verdict"], "holds");
+    assert!(checked["gates"].as_array().unwrap().len() >= 20);
+    for field in ["name", "value", "se", "tolerance", "verdict"] {
+        assert!(!gate(&checked, "ledger-shared")[field].is_null(), "{field}");
+    }
+    fs::write(here.join("baseline.json"), &first.stdout).unwrap();
+
+    // The same run has the same bits, another seed the same distribution.
+    let again = |more: &[&str]| specval(here, &[&base[..], &["--against", "baseline.json"], more].concat());
+    let same = document(&again(&[]));
+    assert_eq!(
+        (&same["drift"]["same_run"], &same["drift"]["same_bits"]),
+        (&true.into(), &true.into())
+    );
+    let other = again(&["--seed", "7"]);
+    assert_eq!(other.status.code(), Some(0));
+    assert_eq!(document(&other)["drift"]["same_run"], false);
+
+    // A little more dye moves what the dye absorbs.
+    fs::write(
+        here.join("study.toml"),
+        format!("{SMALL}[medium]\nkappa_peak = 0.007\n{WIDE}"),
+    )
+    .unwrap();
+    let outputs = ["--junit", "gates.xml", "--github"];
+    let moved = again(&outputs);
+    assert_eq!(moved.status.code(), Some(1));
+    let drift = &document(&moved)["drift"]["moved"];
+    assert!(drift[0]["sigmas"].as_f64().unwrap().abs() > 5.0, "{drift}");
+    let annotations = String::from_utf8(moved.stderr).unwrap();
+    assert!(
+        annotations.starts_with("::error title=specval check baseline::"),
+        "{annotations}"
+    );
+    let xml = fs::read_to_string(here.join("gates.xml")).unwrap();
+    assert!(xml.contains("<testcase classname=\"specval.check\" name=\"ledger\">"));
+    assert_eq!(xml.matches("<failure ").count(), 1);
+    assert!(xml.contains("failures=\"1\" errors=\"0\""), "{xml}");
+}
+
+#[test]
+fn too_few_paths_cannot_tell_and_bad_input_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    fs::write(here.join("study.toml"), format!("{SMALL}[check]\nledger = 1e-4\n")).unwrap();
+    let output = specval(here, &["check", "study.toml", "--paths", "4096", "--json"]);
+    assert_eq!(output.status.code(), Some(2));
+    let checked = document(&output);
+    assert_eq!(checked["verdict"], "undecided");
+    assert!(gate(&checked, "ledger-shared")["paths_to_tell"].as_u64().unwrap() > 100_000);
+
+    let refused = |arguments: &[&str], words: &str| {
+        let output = specval(here, arguments);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(words) && output.stdout.is_empty(), "{message}");
+    };
+    refused(&["check", "study.toml", "--paths", "100"], "expected at least 4096");
+    refused(&["check", "--against", "none.json"], "check --json");
+    fs::write(here.join("other.json"), "{}").unwrap();
+    refused(&["check", "--against", "other.json"], "expected the document");
+    refused(&["check", "--junit", "no/such/folder.xml"], "cannot be written");
+    fs::write(here.join("wrong.toml"), "[check]\nledger = 2.0\n").unwrap();
+    refused(&["check", "wrong.toml"], "check.ledger");
+}
+
+/// Runs of a clean study, each with its own seed, of which some gate breaks.
+fn false_alarms(runs: u64) -> Vec<(u64, Vec<&'static str>)> {
+    (0..runs)
+        .filter_map(|seed| {
+            let mut study = Study::from_toml(&format!("{SMALL}{WIDE}"), "study").unwrap();
+            study.seed = 1000 + seed;
+            let plan = Plan::new(study).unwrap();
+            let checked = check::study(&plan, CheckEffort::of_paths(4096).unwrap(), &|_| ()).unwrap();
+            let broken = checked.gates.iter().filter(|gate| gate.verdict == Verdict::Broken);
+            let broken: Vec<&str> = broken.map(|gate| gate.name).collect();
+            (!broken.is_empty()).then_some((seed, broken))
+        })
+        .collect()
+}
+
+/// A run has a false alarm with probability 1e-3, five of them with 5e-3.
+#[test]
+fn clean_runs_raise_no_alarm() {
+    assert_eq!(false_alarms(5), []);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn at_most_two_of_200_clean_runs_raise_an_alarm() {
+    let alarms = false_alarms(200);
+    assert!(alarms.len() <= 2, "{alarms:?}");
+}
+
+#[test]
+fn documented_commands_are_of_the_program() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let docs = fs::read_to_string(root.join("docs/checks.md")).unwrap();
+    let commands: Vec<&str> = docs
+        .lines()
+        .filter_map(|line| line.strip_prefix("    specval check"))
+        .collect();
+    assert_eq!(commands.len(), 4);
+    // The default study is minutes of work on a busy machine; its command is that of --quick but for the paths.
+    for command in &commands[1..] {
+        let command = command.split("    ").next().unwrap_or_default();
+        let arguments: Vec<&str> = std::iter::once("check").chain(command.split_whitespace()).collect();
+        let output = specval(root, &arguments);
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {text}");
+        assert!(text.trim_end().ends_with("0 broken, 0 undecided"), "{text}");
+    }
+}
