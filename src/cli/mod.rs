@@ -3,7 +3,9 @@
 //! Exit codes: 0 done, 2 bad input, with the reason on stderr. A reader that closes stdout early is no error.
 
 pub mod colour;
+pub mod convert;
 pub mod init;
+pub mod inspect;
 pub mod measure;
 pub mod medium;
 pub mod merge;
@@ -15,6 +17,7 @@ mod study;
 mod terminal;
 pub mod trace;
 pub mod validate;
+pub mod weave;
 
 pub use stopping::{Limits, Stopping, recorded_command, state_beside};
 pub use terminal::{Failure, Terminal, exit};
@@ -54,6 +57,12 @@ pub enum Command {
     Validate(validate::Arguments),
     /// Colours of spectra: XYZ, linear RGB and Lab.
     Colour(colour::Arguments),
+    /// What a goniometric file holds.
+    Inspect(inspect::Arguments),
+    /// A goniometric file in another format.
+    Convert(convert::Arguments),
+    /// The drawdown of a weave draft.
+    Weave(weave::Arguments),
 }
 
 /// Options of every subcommand.

@@ -168,7 +168,7 @@ fn readings(plan: &Plan, geometries: &[Geometry], notices: &mut Vec<String>) -> 
     let interpolated = readings.iter().flatten().filter(|r| r.interpolated).count();
     if interpolated > 0 {
         notices.push(format!(
-            "{interpolated} measured values are interpolated linearly between neighbouring view angles"
+            "{interpolated} measured values are interpolated linearly between neighbouring geometries of the sample"
         ));
     }
     let missing = readings.iter().filter(|r| r.is_none()).count();

@@ -2,6 +2,7 @@
 //! uncertainty and where they come from.
 
 mod data;
+mod goniometric;
 mod load;
 mod reading;
 
@@ -12,8 +13,9 @@ pub use reading::Reading;
 use serde::{Deserialize, Serialize};
 
 use crate::colour::ColourError;
+use crate::formats::FormatError;
 use crate::spectrum::{CsvError, SpectrumError, UnknownName};
-use data::Data;
+use data::{Data, Row};
 
 /// How the numbers came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -82,17 +84,21 @@ impl Sample {
     pub fn published_ratios(&self) -> Option<&PublishedRatios> {
         match &self.data {
             Data::Ratios(ratios) => Some(ratios),
-            Data::Curves(_) => None,
+            Data::Curves(_) | Data::Goniometric(_) => None,
         }
     }
 
     /// Measured geometries (theta_i_deg, theta_v_deg), ascending.
+    ///
+    /// Of a goniometric file they are its own incidences with those of the views every 5 degrees that it has a value at.
     pub fn geometries(&self) -> impl Iterator<Item = (f64, f64)> {
-        let rows = match &self.data {
-            Data::Curves(curves) => curves.rows(),
-            Data::Ratios(_) => &[],
+        let (rows, over_sphere): (&[Row], &[(f64, f64)]) = match &self.data {
+            Data::Curves(curves) => (curves.rows(), &[]),
+            Data::Goniometric(data) => (&[], data.geometries()),
+            Data::Ratios(_) => (&[], &[]),
         };
-        rows.iter().map(|row| (row.theta_i_deg, row.theta_v_deg))
+        let rows = rows.iter().map(|row| (row.theta_i_deg, row.theta_v_deg));
+        rows.chain(over_sphere.iter().copied())
     }
 }
 
@@ -110,6 +116,14 @@ pub enum SampleError {
     Incomplete { folder: String, missing: &'static str },
     #[error("{path}: {message}")]
     Description { path: String, message: String },
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    #[error("{path}: expected {expected} to compare with, found {found}")]
+    NotComparable {
+        path: String,
+        expected: &'static str,
+        found: String,
+    },
     #[error(transparent)]
     Csv(#[from] Box<CsvError>),
     #[error(transparent)]
