@@ -370,3 +370,23 @@ fn relative_and_intensity_tables() {
     assert!((intensity.bsdf().unwrap()[0] - 0.2 / 30f64.to_radians().cos()).abs() < 1e-12);
     assert_eq!(value(file("Luminance Relative", "", 7.0)).bsdf(), None);
 }
+
+/// A table behind a warp, anisotropic, with the Jacobian's factor, as Mitsuba 3 evaluates it in single precision.
+#[test]
+fn warped_tables_have_the_values_of_mitsuba() {
+    let data = load("rgl_warped_rgb.bsdf");
+    assert!(!data.components[0].is_isotropic());
+    let text = std::fs::read_to_string(golden("rgl_warped_expected.tsv")).unwrap();
+    let mut worst = 0.0f64;
+    for line in text.lines().skip(2) {
+        let v: Vec<f64> = line.split('\t').map(|word| word.parse().unwrap()).collect();
+        let found = data
+            .eval(&Vec3::new(v[0], v[1], v[2]), &Vec3::new(v[3], v[4], v[5]))
+            .unwrap();
+        for (f, e) in found.values.iter().zip(&v[6..]) {
+            worst = worst.max((f - e).abs());
+        }
+    }
+    println!("worst {worst:e}");
+    assert!(worst < 1e-5, "{worst:e}");
+}

@@ -296,3 +296,56 @@ proptest! {
         survives(&bytes)?;
     }
 }
+
+/// A million changed files of each kind; minutes, so only when asked for.
+#[test]
+#[ignore = "minutes"]
+fn a_million_changed_files_of_each_kind_are_survived() {
+    for name in [
+        "dir_plane_bw.ddr",
+        "spec_rgb.sdr",
+        "dir_spherical_bw.ssdd",
+        "dir_iso_rgb.astm",
+        "dir_plane_mono_zemax.bsdf",
+        "dir_asym_mono_lighttools.bsdf",
+        "ttree4_lambert_0p1.xml",
+        "rgl_warped_rgb.bsdf",
+    ] {
+        let good = golden(name);
+        let mut state = 63u64;
+        let mut random = |below: usize| {
+            // Knuth's multiplier; the upper bits are good enough to choose bytes with.
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 33) as usize % below
+        };
+        LARGEST.store(0, Ordering::Relaxed);
+        let mut taken = 0;
+        for _ in 0..1_000_000 {
+            let mut bytes = good.clone();
+            for _ in 0..1 + random(4) {
+                let end = if random(2) == 0 {
+                    bytes.len().min(500)
+                } else {
+                    bytes.len()
+                };
+                let at = random(end);
+                match random(5) {
+                    0 => bytes[at] = random(256) as u8,
+                    1 => bytes[at] = b"0123456789 .-e\n{}<>"[random(19)],
+                    2 => bytes.insert(at, random(256) as u8),
+                    3 => bytes.truncate(at.max(1)),
+                    _ => drop(bytes.drain(at..(at + random(30)).min(bytes.len()))),
+                }
+                if bytes.is_empty() {
+                    bytes.push(b' ');
+                }
+            }
+            taken += usize::from(parse("x", &bytes, &ReadOptions::default()).is_ok());
+        }
+        let largest = LARGEST.load(Ordering::Relaxed);
+        println!("{name}: {taken} of a million taken, at most {largest} bytes asked for");
+        assert!(largest < LARGEST_ALLOWED);
+    }
+}

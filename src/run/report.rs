@@ -106,6 +106,12 @@ pub fn report(
                 .into(),
         );
     }
+    if let Some(draft) = &plan.study.weave.draft {
+        fallbacks.push(format!(
+            "of the draft {draft} the interlacement alone is taken: warp and weft have the study's yarn, and colours, spacings \
+             and thicknesses of the file are left out"
+        ));
+    }
     let comparison = comparison.as_ref();
     Ok(ReportData {
         wavelengths_nm: plan.grid.nm().to_vec(),

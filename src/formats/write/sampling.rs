@@ -3,18 +3,19 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Matrix3, Vector3};
 
 use super::super::goniometric::{angles_of, direction};
-use super::super::{Channels, Component, Format, Quantity, Scatter, Side};
+use super::super::{Channels, Component, Format, Parameters, Quantity, Scatter, Side, Table};
 use super::WriteError;
 use crate::colour::{ColourSystem, Convention, Xyz};
 use crate::geometry::Vec3;
 use crate::spectrum::WavelengthGrid;
 
 /// f of a component at any pair of directions a format asks for. Beyond what was measured it keeps the value of the
-/// last incidence and of the nearest polar angle towards the normal, and counts how often.
+/// nearest incidence and of the nearest polar angle towards the normal, and counts how often.
 pub(super) struct Sampler<'a> {
     component: &'a Component,
     format: Format,
-    last_incidence_rad: f64,
+    /// First and last incident polar angle of the component.
+    incidences_rad: [f64; 2],
     asked: usize,
     filled: usize,
 }
@@ -35,11 +36,18 @@ impl<'a> Sampler<'a> {
             }
             Quantity::Bsdf | Quantity::BsdfCosine | Quantity::BrightnessFactor => {}
         }
-        let incidences = component.incidences_deg();
+        let nodes = match &component.table {
+            Table::Klems(_) | Table::Tree(_) => None,
+            Table::Grid(grid) if *grid.parameters() == Parameters::HalfDifference => None,
+            _ => Some(component.incidences_deg()),
+        };
+        let ends = nodes
+            .as_deref()
+            .and_then(|nodes| Some([*nodes.first()?, *nodes.last()?]));
         Ok(Self {
             component,
             format,
-            last_incidence_rad: incidences.last().map_or(0.0, |angle| angle.to_radians()),
+            incidences_rad: ends.unwrap_or([0.0, 90.0]).map(f64::to_radians),
             asked: 0,
             filled: 0,
         })
@@ -56,15 +64,14 @@ impl<'a> Sampler<'a> {
         }
         // Below the horizon there is nothing to measure; tables only need something smooth there.
         self.filled += usize::from(theta_o <= FRAC_PI_2);
-        let incident: [f64; 2] = [theta_i, theta_i.min(self.last_incidence_rad)];
-        for theta_i in incident {
-            let mut polar = theta_o.min(HORIZON_RAD);
-            while polar >= 0.0 {
-                if let Some(values) = self.at(&direction(theta_i, phi_i), &direction(polar, phi_o)) {
-                    return Ok(values);
-                }
-                polar -= 1f64.to_radians();
+        let [first, last] = self.incidences_rad;
+        let omega_in = direction(theta_i.clamp(first, last), phi_i);
+        let mut polar = theta_o.min(HORIZON_RAD);
+        while polar >= 0.0 {
+            if let Some(values) = self.at(&omega_in, &direction(polar, phi_o)) {
+                return Ok(values);
             }
+            polar -= 1f64.to_radians();
         }
         Err(WriteError::NotMeasured {
             format: self.format,
@@ -94,7 +101,7 @@ impl<'a> Sampler<'a> {
         if self.filled > 0 {
             notices.push(format!(
                 "{} of {} values lie beyond what the source measured and hold the nearest value towards the normal or of the \
-                 last incidence",
+                 nearest incidence",
                 self.filled, self.asked
             ));
         }
