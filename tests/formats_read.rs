@@ -204,6 +204,15 @@ fn utia_numbers_stay_raw_until_a_scale_is_given() {
     };
     let scaled = parse("x", &bytes, &options).unwrap();
     assert!((bsdf(&scaled, &at.0, &at.1)[1] - 0.05 * code).abs() < 1e-9);
+    // Whatever the first byte of the first number is.
+    for first in *b"<[" {
+        let mut other = bytes.clone();
+        other[0] = first;
+        assert_eq!(
+            parse("x", &other, &ReadOptions::default()).unwrap().format,
+            Format::Utia
+        );
+    }
     // Nothing is stored above 75 degrees; the circle closes after 352.5.
     assert_eq!(raw.eval(&degrees(80.0, 0.0), &at.1), None);
     assert!(raw.eval(&degrees(45.0, 357.0), &at.1).is_some());

@@ -251,6 +251,15 @@ fn tensor_headers_are_checked_against_the_file() {
     refused("x.bsdf", &bad);
 }
 
+/// Nesting deeper than any stack, in both kinds of it.
+#[test]
+fn deep_nesting_is_refused() {
+    let open = "<a>".repeat(100_000);
+    refused("x.xml", open.as_bytes());
+    let braces = text("ttree4_lambert_0p1.xml").replacen('{', &"{".repeat(100_000), 1);
+    assert!(refused("x.xml", braces.as_bytes()).1.contains("nested braces"));
+}
+
 fn survives(bytes: &[u8]) -> Result<(), TestCaseError> {
     LARGEST.store(0, Ordering::Relaxed);
     if let Err(error) = parse("x", bytes, &ReadOptions::default()) {

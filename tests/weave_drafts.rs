@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use specval::cloth::Weave;
+use specval::run::Plan;
+use specval::study::Study;
 use specval::weave::WeaveDraft;
 
 fn golden(name: &str) -> PathBuf {
@@ -152,6 +154,26 @@ fn known_weaves_as_lift_plans() {
         }
         assert_eq!(parse(&wif).draft().unwrap(), draft, "{weave:?}");
     }
+}
+
+/// `[weave] draft` weaves the repeat and enters the inputs.
+#[test]
+fn studies_weave_drafts() {
+    let study = |path: &str| {
+        Study::from_toml(
+            &format!("[weave]\ndraft = \"{path}\"\n[cloth]\nspacing_diameters = 2.5"),
+            "s",
+        )
+        .unwrap()
+    };
+    let path = golden("twill22.wif").display().to_string();
+    let plan = Plan::new(study(&path)).unwrap();
+    assert!(plan.inputs.iter().any(|input| input.name == format!("draft {path}")));
+    assert!(plan.study.to_toml().unwrap().contains("draft"));
+    let Err(error) = Plan::new(study("missing.wif")) else {
+        panic!("no draft, and yet a plan")
+    };
+    assert!(error.to_string().starts_with("`weave.draft`: missing.wif"), "{error}");
 }
 
 proptest! {

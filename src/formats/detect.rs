@@ -102,11 +102,13 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<Format, Forma
         return Ok(Format::Merl);
     }
     let text = String::from_utf8_lossy(head);
-    if let Some(format) = of_text(text.trim_start_matches('\u{feff}')) {
-        return Ok(format);
-    }
-    if size == utia::SIZE && head.contains(&0) {
+    let of_text = of_text(text.trim_start_matches('\u{feff}'));
+    // Numbers without a header may begin with any byte.
+    if size == utia::SIZE && head.contains(&0) && of_text != Some(Format::Ssdd) {
         return Ok(Format::Utia);
+    }
+    if let Some(format) = of_text {
+        return Ok(format);
     }
     let found = format!("a file that begins with {}", quoted(&text));
     Err(FormatError::file(path, expected, found))

@@ -16,7 +16,8 @@ const THETA_H: usize = 90;
 const THETA_D: usize = 90;
 const PHI_D: usize = 180;
 const HEADER: usize = 12;
-const NODES: usize = THETA_H * THETA_D * PHI_D;
+/// Nodes of a plane.
+pub(super) const NODES: usize = THETA_H * THETA_D * PHI_D;
 
 /// Bytes of every file.
 pub(super) const SIZE: u64 = (HEADER + 3 * 8 * NODES) as u64;
@@ -90,22 +91,15 @@ fn theta_h_rad(index: usize) -> f64 {
     ((index * index) as f64 / 90.0).to_radians()
 }
 
-/// Directions to light and viewer at each node, in the order of a plane; either may be below the horizon.
-pub(super) fn nodes() -> impl Iterator<Item = Option<(Vec3, Vec3)>> {
-    (0..NODES).map(|node| {
-        let theta_h = theta_h_rad(node / (THETA_D * PHI_D));
-        let theta_d = ((node / PHI_D % THETA_D) as f64).to_radians();
-        let difference = direction(theta_d, ((node % PHI_D) as f64).to_radians());
-        let (sin, cos) = theta_h.sin_cos();
-        let half = direction(theta_h, 0.0);
-        let omega_in = Vec3::new(
-            cos * difference.x + sin * difference.z,
-            difference.y,
-            cos * difference.z - sin * difference.x,
-        );
-        let omega_out = half * (2.0 * half.dot(&omega_in)) - omega_in;
-        (omega_in.z >= 0.0).then_some((omega_in, omega_out))
-    })
+/// Directions to light and viewer at a node, counted in the order of a plane; either may be below the horizon.
+pub(super) fn directions(node: usize) -> (Vec3, Vec3) {
+    let theta_h = theta_h_rad(node / (THETA_D * PHI_D));
+    let theta_d = ((node / PHI_D % THETA_D) as f64).to_radians();
+    let d = direction(theta_d, ((node % PHI_D) as f64).to_radians());
+    let (sin, cos) = theta_h.sin_cos();
+    let half = direction(theta_h, 0.0);
+    let omega_in = Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x);
+    (omega_in, half * (2.0 * half.dot(&omega_in)) - omega_in)
 }
 
 /// A file of these values in 1/sr, one triple a node; `None` where there are no data.

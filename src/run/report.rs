@@ -97,9 +97,7 @@ pub fn report(
             )],
         });
     }
-    if plan.sample.geometries().next().is_some()
-        && plan.sample.spectrum(NORMAL.theta_i_deg, NORMAL.theta_v_deg)?.is_none()
-    {
+    if plan.sample.is_rgb() {
         notices.push(
             "the sample is RGB, not spectral: its ratios have one convention, its own, and its luminance is the study's \
              RGB space's luminance of its RGB"

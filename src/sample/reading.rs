@@ -103,6 +103,15 @@ impl Sample {
         }
     }
 
+    /// Whether the readings are linear RGB of some space, not spectra or XYZ.
+    pub fn is_rgb(&self) -> bool {
+        match &self.data {
+            Data::Curves(curves) => *curves.axis() == Axis::Rgb,
+            Data::Goniometric(data) => *data.axis() == Axis::Rgb,
+            Data::Ratios(_) => false,
+        }
+    }
+
     /// Values at a geometry, what they stand for, and whether they are interpolated.
     fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(&Axis, Row, bool)> {
         match &self.data {

@@ -3,6 +3,8 @@
 mod ini;
 mod wif;
 
+use std::collections::HashMap;
+
 use crate::cloth::{ClothError, Draft};
 use crate::formats::FormatError;
 
@@ -39,18 +41,21 @@ impl WeaveDraft {
     /// most once.
     pub fn repeat(&self) -> [usize; 2] {
         let (wefts, warps) = (self.wefts.len(), self.warps.len());
-        let smallest = |n: usize, same: &dyn Fn(usize, usize) -> bool| {
-            (1..=n / 2)
-                .find(|&period| (period..n).all(|k| same(k, k - period)))
-                .unwrap_or(n)
+        // Equal threads get equal numbers, so that each is compared whole only once.
+        let smallest = |n: usize, thread: &dyn Fn(usize) -> Vec<bool>| {
+            let mut known = HashMap::new();
+            let kinds: Vec<usize> = (0..n)
+                .map(|k| {
+                    let next = known.len();
+                    *known.entry(thread(k)).or_insert(next)
+                })
+                .collect();
+            let repeats = |period: &usize| kinds[*period..].iter().zip(&kinds).all(|(a, b)| a == b);
+            (1..=n / 2).find(repeats).unwrap_or(n)
         };
         [
-            smallest(wefts, &|a, b| {
-                (0..warps).all(|j| self.warp_on_top(a, j) == self.warp_on_top(b, j))
-            }),
-            smallest(warps, &|a, b| {
-                (0..wefts).all(|i| self.warp_on_top(i, a) == self.warp_on_top(i, b))
-            }),
+            smallest(wefts, &|i| (0..warps).map(|j| self.warp_on_top(i, j)).collect()),
+            smallest(warps, &|j| (0..wefts).map(|i| self.warp_on_top(i, j)).collect()),
         ]
     }
 

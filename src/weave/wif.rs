@@ -275,7 +275,7 @@ fn threads(
     let index = |key: &str, at: usize| -> Result<usize, FormatError> {
         let number: Option<usize> = key.parse().ok();
         let index = number
-            .and_then(|n| (n + usize::from(from_zero)).checked_sub(1))
+            .and_then(|n| n.checked_sub(usize::from(!from_zero)))
             .filter(|&i| i < count);
         index.ok_or_else(|| {
             ini.text

@@ -140,7 +140,7 @@ fn readings(component: &Component, format: Format, notices: &mut Vec<String>) ->
                 .collect()
         }
         _ => {
-            let mut sampler = Sampler::new(component, format)?;
+            let sampler = Sampler::new(component, format)?;
             let azimuths = if component.is_isotropic() {
                 vec![0.0]
             } else {

@@ -31,7 +31,7 @@ impl SpecularGrid {
         {
             return Self::same(component, grid, offsets_rad);
         }
-        let mut sampler = Sampler::new(component, format)?;
+        let sampler = Sampler::new(component, format)?;
         let mut grid = Self {
             psi_deg: if component.is_isotropic() {
                 vec![0.0]

@@ -119,7 +119,7 @@ fn averaged(component: &Component, notices: &mut Vec<String>) -> Result<KlemsMat
     let basis = KlemsBasis::named("LBNL/Klems Full").ok_or(WriteError::NotWritten {
         format: Format::RadianceXml,
     })?;
-    let mut sampler = Sampler::new(component, Format::RadianceXml)?;
+    let sampler = Sampler::new(component, Format::RadianceXml)?;
     let map = ChannelMap::to_xyz(&component.channels, notices)?;
     let channels = if component.channels == Channels::Monochrome {
         1

@@ -14,7 +14,7 @@ pub(super) fn write(
     provenance: &Provenance,
     notices: &mut Vec<String>,
 ) -> Result<Vec<u8>, WriteError> {
-    let mut sampler = Sampler::new(component, Format::Rgl)?;
+    let sampler = Sampler::new(component, Format::Rgl)?;
     let isotropic = component.is_isotropic();
     let map = match component.channels {
         Channels::Wavelengths(_) => ChannelMap::Same,

@@ -1,4 +1,5 @@
 use std::f64::consts::FRAC_PI_2;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -16,8 +17,8 @@ pub(super) struct Sampler<'a> {
     format: Format,
     /// First and last incident polar angle of the component.
     incidences_rad: [f64; 2],
-    asked: usize,
-    filled: usize,
+    asked: AtomicUsize,
+    filled: AtomicUsize,
 }
 
 /// Nearest to the horizon that a value is looked up, so that one that holds a cosine can be divided by it.
@@ -48,14 +49,14 @@ impl<'a> Sampler<'a> {
             component,
             format,
             incidences_rad: ends.unwrap_or([0.0, 90.0]).map(f64::to_radians),
-            asked: 0,
-            filled: 0,
+            asked: AtomicUsize::new(0),
+            filled: AtomicUsize::new(0),
         })
     }
 
     /// Directions as they are above the surface, light on its front; of transmission the outgoing one mirrored up.
-    pub(super) fn bsdf(&mut self, omega_in: &Vec3, omega_out: &Vec3) -> Result<Vec<f64>, WriteError> {
-        self.asked += 1;
+    pub(super) fn bsdf(&self, omega_in: &Vec3, omega_out: &Vec3) -> Result<Vec<f64>, WriteError> {
+        self.asked.fetch_add(1, Relaxed);
         let ((theta_i, phi_i), (theta_o, phi_o)) = (angles_of(omega_in), angles_of(omega_out));
         if theta_o <= HORIZON_RAD
             && let Some(values) = self.at(omega_in, omega_out)
@@ -63,7 +64,7 @@ impl<'a> Sampler<'a> {
             return Ok(values);
         }
         // Below the horizon there is nothing to measure; tables only need something smooth there.
-        self.filled += usize::from(theta_o <= FRAC_PI_2);
+        self.filled.fetch_add(usize::from(theta_o <= FRAC_PI_2), Relaxed);
         let [first, last] = self.incidences_rad;
         let omega_in = direction(theta_i.clamp(first, last), phi_i);
         let mut polar = theta_o.min(HORIZON_RAD);
@@ -98,11 +99,11 @@ impl<'a> Sampler<'a> {
     /// What has to be told of the values that were not measured.
     pub(super) fn notice(&self, notices: &mut Vec<String>) {
         notices.push("values are interpolated in the source's own parameters".into());
-        if self.filled > 0 {
+        let (filled, asked) = (self.filled.load(Relaxed), self.asked.load(Relaxed));
+        if filled > 0 {
             notices.push(format!(
-                "{} of {} values lie beyond what the source measured and hold the nearest value towards the normal or of the \
-                 nearest incidence",
-                self.filled, self.asked
+                "{filled} of {asked} values lie beyond what the source measured and hold the nearest value towards the normal or of the \
+                 nearest incidence"
             ));
         }
     }
