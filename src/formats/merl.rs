@@ -5,6 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use rayon::prelude::*;
+
 use super::FormatError;
 use super::axis::Axis;
 use super::detect::Format;
@@ -40,25 +42,23 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         let expected = format!("{SIZE} bytes: counts 90, 90, 180, and 3 values of 8 bytes for each node");
         return Err(FormatError::file(path, expected, format!("{} bytes", bytes.len())));
     }
-    let mut values = Vec::with_capacity(3 * NODES);
-    for (plane, scale) in bytes[HEADER..].chunks_exact(8 * NODES).zip(SCALE) {
-        for (node, bytes) in plane.chunks_exact(8).enumerate() {
-            let mut word = [0; 8];
-            word.copy_from_slice(bytes);
-            let stored = f64::from_le_bytes(word);
-            if !stored.is_finite() {
-                let at = HEADER + 8 * (values.len() - values.len() % NODES + node);
-                return Err(FormatError::byte(path, at, "a finite value", stored.to_string()));
-            }
-            values.push(if stored < 0.0 { f64::NAN } else { stored * scale });
-        }
+    let stored = |index: usize| {
+        let mut word = [0; 8];
+        word.copy_from_slice(&bytes[HEADER + 8 * index..HEADER + 8 * index + 8]);
+        f64::from_le_bytes(word)
+    };
+    let all = || (0..3 * NODES).into_par_iter();
+    if let Some(index) = all().find_first(|&index| !stored(index).is_finite()) {
+        let found = stored(index).to_string();
+        return Err(FormatError::byte(path, HEADER + 8 * index, "a finite value", found));
     }
     // A node has data in all channels or in none.
-    for node in 0..NODES {
-        if (0..3).any(|plane| values[plane * NODES + node].is_nan()) {
-            (0..3).for_each(|plane| values[plane * NODES + node] = f64::NAN);
-        }
-    }
+    let is_hole = |node: usize| (0..3).any(|plane| stored(plane * NODES + node) < 0.0);
+    let value = |index: usize| match is_hole(index % NODES) {
+        true => f64::NAN,
+        false => stored(index) * SCALE[index / NODES],
+    };
+    let values = all().map(value).collect();
     let axes = [
         Axis::held((0..THETA_H).map(theta_h_rad).collect()),
         Axis::azimuth(vec![0.0], TAU),
