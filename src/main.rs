@@ -22,6 +22,9 @@ fn main() -> ExitCode {
             Command::Measure(arguments) => cli::measure::run(&arguments, &options, &terminal),
             Command::Validate(arguments) => cli::validate::run(&arguments, &options, &terminal),
             Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),
+            Command::Inspect(arguments) => cli::inspect::run(&arguments, &terminal),
+            Command::Convert(arguments) => cli::convert::run(&arguments, &terminal),
+            Command::Weave(arguments) => cli::weave::run(&arguments, &terminal),
         };
         done.map(|()| ExitCode::SUCCESS)
     }))

@@ -114,7 +114,7 @@ impl<'a> Curves<'a> {
         );
         match self.wavelengths_nm {
             Some(nm) => Place::new(nm[value], geometry),
-            None => Place::named(format!("{geometry}, {}", ["r", "g", "b"][value.min(2)])),
+            None => Place::named(format!("{geometry}, channel {}", value + 1)),
         }
     }
 

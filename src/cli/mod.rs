@@ -4,7 +4,9 @@
 
 pub mod check;
 pub mod colour;
+pub mod convert;
 pub mod init;
+pub mod inspect;
 pub mod measure;
 pub mod medium;
 pub mod merge;
@@ -16,6 +18,7 @@ mod study;
 mod terminal;
 pub mod trace;
 pub mod validate;
+pub mod weave;
 
 pub use stopping::{Limits, Stopping, recorded_command, state_beside};
 pub use terminal::{Failure, Terminal, exit};
@@ -57,6 +60,12 @@ pub enum Command {
     Validate(validate::Arguments),
     /// Colours of spectra: XYZ, linear RGB and Lab.
     Colour(colour::Arguments),
+    /// What a goniometric file holds.
+    Inspect(inspect::Arguments),
+    /// A goniometric file in another format.
+    Convert(convert::Arguments),
+    /// The drawdown of a weave draft.
+    Weave(weave::Arguments),
 }
 
 /// Options of every subcommand.

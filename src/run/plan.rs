@@ -3,6 +3,7 @@ use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Weave};
 use crate::colour::{ColourError, ColourSystem};
 use crate::compare::{CompareError, Geometry};
 use crate::fault::{self, Fault};
+use crate::formats::FormatError;
 use crate::optics::{Interference, Medium, MediumSpec, OpticsError};
 use crate::report::{InputDigest, ReportError};
 use crate::rig::{PixelSamples, Rig, RigError};
@@ -15,6 +16,7 @@ use crate::study::{
     StudyError, TraceSection, WeaveChoice,
 };
 use crate::transport::{Cylinder, Roulette};
+use crate::weave::WeaveDraft;
 use crate::yarn::{BssrdfGrid, Effort, Estimator, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn, YarnError};
 use std::path::{Path, PathBuf};
 
@@ -42,6 +44,8 @@ pub enum RunError {
     Rig(#[from] RigError),
     #[error(transparent)]
     Colour(#[from] ColourError),
+    #[error("`weave.draft`: {0}")]
+    Draft(#[from] FormatError),
     #[error("`measured.sample`: {0}")]
     Sample(#[from] SampleError),
     #[error(transparent)]
@@ -102,6 +106,7 @@ impl Plan {
             name: format!("sample {}", study.measured.sample),
             sha256: sample.digest().to_owned(),
         });
+        let weave = weave(&study, &mut inputs)?;
         let trace = &study.trace;
         let effort = |paths| Effort::new(study.seed, trace.batches as usize, paths);
         let specular = &study.specular;
@@ -113,7 +118,7 @@ impl Plan {
             bssrdf_effort: effort(trace.paths_bssrdf)?,
             factor_grid: factor_grid(trace)?,
             direct_effort: effort(trace.paths_direct)?,
-            cloth: Cloth::new(&cloth_spec(&study))?,
+            cloth: Cloth::new(&cloth_spec(&study, weave))?,
             specular: Specular::new(
                 match specular.distribution {
                     DistributionChoice::Beckmann => Distribution::Beckmann,
@@ -337,17 +342,31 @@ fn dye(name: &str) -> Result<Spectrum, RunError> {
     Err(RunError::Dye { source: unknown })
 }
 
-fn cloth_spec(study: &Study) -> ClothSpec {
-    let cloth = &study.cloth;
-    let radius_mm = study.yarn.radius_mm;
-    let spacing_mm = 2.0 * radius_mm * cloth.spacing_diameters;
-    ClothSpec {
-        weave: match cloth.weave {
+/// The weave by its name, or the repeat of the draft, whose drawdown goes into the inputs' digests.
+fn weave(study: &Study, inputs: &mut Vec<InputDigest>) -> Result<Weave, RunError> {
+    let Some(path) = &study.weave.draft else {
+        return Ok(match study.cloth.weave {
             WeaveChoice::Plain => Weave::Plain,
             WeaveChoice::Twill21 => Weave::Twill21,
             WeaveChoice::Twill31 => Weave::Twill31,
             WeaveChoice::Satin5 => Weave::Satin5,
-        },
+        });
+    };
+    let draft = WeaveDraft::read(Path::new(path))?;
+    let [wefts, warps] = draft.repeat();
+    let crossings = (0..wefts).flat_map(|i| (0..warps).map(move |j| (i, j)));
+    let mut drawdown: Vec<u8> = format!("{wefts} {warps} ").into_bytes();
+    drawdown.extend(crossings.map(|(i, j)| if draft.warp_on_top(i, j) { b'X' } else { b'.' }));
+    inputs.push(InputDigest::of(format!("draft {path}"), &drawdown));
+    Ok(Weave::Custom(draft.draft()?))
+}
+
+fn cloth_spec(study: &Study, weave: Weave) -> ClothSpec {
+    let cloth = &study.cloth;
+    let radius_mm = study.yarn.radius_mm;
+    let spacing_mm = 2.0 * radius_mm * cloth.spacing_diameters;
+    ClothSpec {
+        weave,
         centre_line: match cloth.centre_line {
             CentreLineChoice::Peirce => CentreLineKind::Peirce,
             CentreLineChoice::Sinusoid => CentreLineKind::Sinusoid {

@@ -97,14 +97,18 @@ pub fn report(
             )],
         });
     }
-    if plan.sample.geometries().next().is_some()
-        && plan.sample.spectrum(NORMAL.theta_i_deg, NORMAL.theta_v_deg)?.is_none()
-    {
+    if plan.sample.is_rgb() {
         notices.push(
             "the sample is RGB, not spectral: its ratios have one convention, its own, and its luminance is the study's \
              RGB space's luminance of its RGB"
                 .into(),
         );
+    }
+    if let Some(draft) = &plan.study.weave.draft {
+        fallbacks.push(format!(
+            "of the draft {draft} the interlacement alone is taken: warp and weft have the study's yarn, and colours, spacings \
+             and thicknesses of the file are left out"
+        ));
     }
     let comparison = comparison.as_ref();
     Ok(ReportData {
@@ -168,7 +172,7 @@ fn readings(plan: &Plan, geometries: &[Geometry], notices: &mut Vec<String>) -> 
     let interpolated = readings.iter().flatten().filter(|r| r.interpolated).count();
     if interpolated > 0 {
         notices.push(format!(
-            "{interpolated} measured values are interpolated linearly between neighbouring view angles"
+            "{interpolated} measured values are interpolated linearly between neighbouring geometries of the sample"
         ));
     }
     let missing = readings.iter().filter(|r| r.is_none()).count();

@@ -3,11 +3,13 @@ use std::collections::HashMap;
 use serde::Serialize;
 
 use super::SampleError;
+use super::goniometric::GoniometricData;
 use crate::spectrum::{CsvError, CsvTable, WavelengthGrid};
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Data {
     Curves(Curves),
+    Goniometric(Box<GoniometricData>),
     Ratios(PublishedRatios),
 }
 
@@ -24,6 +26,7 @@ pub(super) struct Curves {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Axis {
     Rgb,
+    Xyz,
     Wavelengths(WavelengthGrid),
 }
 

@@ -4,7 +4,9 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::data::{self, Data};
+use super::goniometric::GoniometricData;
 use super::{Description, PublishedRatios, Sample, SampleError, Uncertainty};
+use crate::formats::{self, Format, Goniometric, ReadOptions};
 use crate::spectrum::UnknownName;
 
 struct BuiltIn {
@@ -36,8 +38,8 @@ pub fn published_ratios() -> Result<PublishedRatios, SampleError> {
 }
 
 impl Sample {
-    /// A built-in sample by name, else a folder with `sample.toml` and `data.csv`, else a bare CSV file. A folder that
-    /// has the name of a built-in sample is reached as `./name`.
+    /// A built-in sample by name, else a folder with `sample.toml` and `data.csv`, else a bare CSV file or a goniometric file
+    /// of any format of [`crate::formats`]. A folder that has the name of a built-in sample is reached as `./name`.
     ///
     /// The data are spectral, with the columns `theta_i_deg,theta_v_deg,wavelength_nm,beta` and perhaps `beta_se`, or
     /// RGB, `theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b` and perhaps `beta_r_se,beta_g_se,beta_b_se`; angles in
@@ -78,7 +80,22 @@ impl Sample {
                 relative_standard_uncertainty: None,
                 colour: None,
             };
-            Self::new(description, name_or_path, &read(path)?)
+            match formats::format_of(path) {
+                // A folder or an empty file is told in the words of the reader of CSV.
+                Ok(Format::Csv) | Err(_) => {
+                    let bytes = read(path)?;
+                    if is_over_the_sphere(&bytes) {
+                        let data = formats::parse(name_or_path, &bytes, &ReadOptions::default())?;
+                        return Self::goniometric(description, data, &bytes);
+                    }
+                    Self::new(description, name_or_path, &bytes)
+                }
+                // Read for its values first: that refuses a file too large for its format.
+                Ok(_) => {
+                    let data = formats::read(path, &ReadOptions::default())?;
+                    Self::goniometric(description, data, &read(path)?)
+                }
+            }
         } else {
             let known = BUILT_IN.iter().map(|sample| sample.name);
             Err(SampleError::Unknown(UnknownName::new("sample", name_or_path, known)))
@@ -98,18 +115,41 @@ impl Sample {
     }
 
     fn new(description: Description, path: &str, bytes: &[u8]) -> Result<Self, SampleError> {
-        let mut digest = String::new();
-        for byte in Sha256::digest(bytes) {
-            // Writing to a string cannot fail.
-            let _ = write!(digest, "{byte:02x}");
-        }
         let data = data::parse(path, bytes, description.relative_standard_uncertainty)?;
         Ok(Self {
             description,
             data,
-            digest,
+            digest: digest(bytes),
         })
     }
+
+    fn goniometric(description: Description, data: Goniometric, bytes: &[u8]) -> Result<Self, SampleError> {
+        let relative_se = description.relative_standard_uncertainty.unwrap_or(0.0);
+        let data = GoniometricData::new(&description.source, data, relative_se)?;
+        Ok(Self {
+            description,
+            data: Data::Goniometric(Box::new(data)),
+            digest: digest(bytes),
+        })
+    }
+}
+
+/// Whether a CSV has readings outside the plane of incidence, in the columns of `formats`.
+fn is_over_the_sphere(bytes: &[u8]) -> bool {
+    let lines = bytes.split(|&b| b == b'\n');
+    let mut lines = lines.filter(|line| !line.starts_with(b"#") && !line.trim_ascii().is_empty());
+    lines
+        .next()
+        .is_some_and(|header| header.windows(9).any(|w| w == b"phi_o_deg"))
+}
+
+fn digest(bytes: &[u8]) -> String {
+    let mut digest = String::new();
+    for byte in Sha256::digest(bytes) {
+        // Writing to a string cannot fail.
+        let _ = write!(digest, "{byte:02x}");
+    }
+    digest
 }
 
 fn describe(path: &str, text: &str) -> Result<Description, SampleError> {

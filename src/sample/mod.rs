@@ -2,6 +2,7 @@
 //! uncertainty and where they come from.
 
 mod data;
+mod goniometric;
 mod load;
 mod reading;
 
@@ -12,8 +13,9 @@ pub use reading::Reading;
 use serde::{Deserialize, Serialize};
 
 use crate::colour::ColourError;
+use crate::formats::FormatError;
 use crate::spectrum::{CsvError, SpectrumError, UnknownName};
-use data::Data;
+use data::{Axis, Data, Row};
 
 /// How the numbers came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -82,26 +84,28 @@ impl Sample {
     pub fn published_ratios(&self) -> Option<&PublishedRatios> {
         match &self.data {
             Data::Ratios(ratios) => Some(ratios),
-            Data::Curves(_) => None,
+            Data::Curves(_) | Data::Goniometric(_) => None,
         }
     }
 
     /// Measured geometries (theta_i_deg, theta_v_deg), ascending.
+    ///
+    /// Of a goniometric file they are its own incidences with those of the views every 5 degrees that it has a value at.
     pub fn geometries(&self) -> impl Iterator<Item = (f64, f64)> {
-        let rows = match &self.data {
-            Data::Curves(curves) => curves.rows(),
-            Data::Ratios(_) => &[],
-        };
-        rows.iter().map(|row| (row.theta_i_deg, row.theta_v_deg))
+        self.rows().iter().map(|row| (row.theta_i_deg, row.theta_v_deg))
     }
 
-    /// Every reading as the data have it, ascending by incidence, then by view; none for published ratios.
-    pub fn raw(&self) -> impl Iterator<Item = RawReading<'_>> {
-        let rows = match &self.data {
+    fn rows(&self) -> &[Row] {
+        match &self.data {
             Data::Curves(curves) => curves.rows(),
+            Data::Goniometric(data) => data.rows(),
             Data::Ratios(_) => &[],
-        };
-        rows.iter().map(|row| RawReading {
+        }
+    }
+
+    /// Readings as the data have them at [`Sample::geometries`]; none for published ratios.
+    pub fn raw(&self) -> impl Iterator<Item = RawReading<'_>> {
+        self.rows().iter().map(|row| RawReading {
             theta_i_deg: row.theta_i_deg,
             theta_v_deg: row.theta_v_deg,
             beta: &row.beta,
@@ -109,14 +113,16 @@ impl Sample {
         })
     }
 
-    /// Wavelengths in nm that the values of [`Sample::raw`] stand at; `None` for RGB.
+    /// Wavelengths in nm that the values of [`Sample::raw`] stand at; `None` for RGB and XYZ.
     pub fn wavelengths_nm(&self) -> Option<&[f64]> {
-        match &self.data {
-            Data::Curves(curves) => match curves.axis() {
-                data::Axis::Wavelengths(grid) => Some(grid.nm()),
-                data::Axis::Rgb => None,
-            },
-            Data::Ratios(_) => None,
+        let axis = match &self.data {
+            Data::Curves(curves) => curves.axis(),
+            Data::Goniometric(data) => data.axis(),
+            Data::Ratios(_) => return None,
+        };
+        match axis {
+            Axis::Wavelengths(grid) => Some(grid.nm()),
+            Axis::Rgb | Axis::Xyz => None,
         }
     }
 }
@@ -144,6 +150,14 @@ pub enum SampleError {
     Incomplete { folder: String, missing: &'static str },
     #[error("{path}: {message}")]
     Description { path: String, message: String },
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    #[error("{path}: expected {expected} to compare with, found {found}")]
+    NotComparable {
+        path: String,
+        expected: &'static str,
+        found: String,
+    },
     #[error(transparent)]
     Csv(#[from] Box<CsvError>),
     #[error(transparent)]

@@ -1,7 +1,7 @@
 use super::data::{Axis, Curves, Data, Row};
 use super::{Sample, SampleError};
-use crate::colour::{ColourSystem, Convention, LinearRgb};
-use crate::spectrum::Samples;
+use crate::colour::{ColourSystem, Convention, LinearRgb, Xyz};
+use crate::spectrum::{Samples, WavelengthGrid};
 
 /// Brightness factors β of a measured geometry in the channels r, g, b (linear RGB) and y (luminance), dimensionless.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,7 +10,7 @@ pub struct Reading {
     /// Covariance of the four: y is a linear function of the other three, and channels of a spectral reading share
     /// its wavelengths.
     pub covariance: [[f64; 4]; 4],
-    /// Not measured here but linear between the neighbouring view angles. The error of the interpolation itself is not
+    /// Not measured here but linear between neighbouring geometries. The error of the interpolation itself is not
     /// in the covariance.
     pub interpolated: bool,
 }
@@ -37,7 +37,8 @@ impl Reading {
 
 impl Sample {
     /// β at a geometry: as measured, or linear in theta_v_deg between the nearest views of the same incidence
-    /// (flagged), or `None` outside what was measured and for samples of published ratios.
+    /// (flagged), or `None` outside what was measured and for samples of published ratios. Goniometric files interpolate in
+    /// their own parameters, over incidences too.
     ///
     /// Spectral data go through [`ColourSystem`], y being Y of XYZ; wavelengths err independently. RGB data are taken as
     /// they stand, y being the luminance they would have in the convention's RGB space: an assumption wherever they
@@ -48,18 +49,29 @@ impl Sample {
         theta_v_deg: f64,
         convention: &Convention,
     ) -> Result<Option<Reading>, SampleError> {
-        let Data::Curves(curves) = &self.data else {
+        let Some((axis, row, interpolated)) = self.at(theta_i_deg, theta_v_deg) else {
             return Ok(None);
         };
-        let Some((row, interpolated)) = curves.at(theta_i_deg, theta_v_deg) else {
-            return Ok(None);
-        };
-        let (beta, weights) = match curves.axis() {
+        let (beta, weights) = match axis {
             Axis::Rgb => {
                 let rgb = LinearRgb([row.beta[0], row.beta[1], row.beta[2]]);
                 let [r, g, b] = convention.rgb.luminance_row();
                 let weights = vec![[1.0, 0.0, 0.0, r], [0.0, 1.0, 0.0, g], [0.0, 0.0, 1.0, b]];
                 ([rgb.0[0], rgb.0[1], rgb.0[2], convention.rgb.luminance(rgb)], weights)
+            }
+            Axis::Xyz => {
+                // Without adaptation the matrix is the same for every grid.
+                let system = ColourSystem::new(&WavelengthGrid::preprint(), *convention)?;
+                let channels = |x: f64, y: f64, z: f64| {
+                    let [r, g, b] = system.linear_rgb(Xyz { x, y, z }).0;
+                    [r, g, b, y]
+                };
+                let weights = vec![
+                    channels(1.0, 0.0, 0.0),
+                    channels(0.0, 1.0, 0.0),
+                    channels(0.0, 0.0, 1.0),
+                ];
+                (channels(row.beta[0], row.beta[1], row.beta[2]), weights)
             }
             Axis::Wavelengths(grid) => {
                 let system = ColourSystem::new(grid, *convention)?;
@@ -85,12 +97,33 @@ impl Sample {
 
     /// β(λ) at a geometry, on the wavelengths of the sample, interpolated as [`Sample::reading`] does; `None` for RGB data.
     pub fn spectrum(&self, theta_i_deg: f64, theta_v_deg: f64) -> Result<Option<Samples>, SampleError> {
-        let Data::Curves(curves) = &self.data else {
-            return Ok(None);
-        };
-        match (curves.axis(), curves.at(theta_i_deg, theta_v_deg)) {
-            (Axis::Wavelengths(grid), Some((row, _))) => Ok(Some(Samples::new(self.name(), grid, row.beta)?)),
+        match self.at(theta_i_deg, theta_v_deg) {
+            Some((Axis::Wavelengths(grid), row, _)) => Ok(Some(Samples::new(self.name(), grid, row.beta)?)),
             _ => Ok(None),
+        }
+    }
+
+    /// Whether the readings are linear RGB of some space, not spectra or XYZ.
+    pub fn is_rgb(&self) -> bool {
+        match &self.data {
+            Data::Curves(curves) => *curves.axis() == Axis::Rgb,
+            Data::Goniometric(data) => *data.axis() == Axis::Rgb,
+            Data::Ratios(_) => false,
+        }
+    }
+
+    /// Values at a geometry, what they stand for, and whether they are interpolated.
+    fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(&Axis, Row, bool)> {
+        match &self.data {
+            Data::Curves(curves) => {
+                let (row, interpolated) = curves.at(theta_i_deg, theta_v_deg)?;
+                Some((curves.axis(), row, interpolated))
+            }
+            Data::Goniometric(data) => {
+                let (row, interpolated) = data.at(theta_i_deg, theta_v_deg)?;
+                Some((data.axis(), row, interpolated))
+            }
+            Data::Ratios(_) => None,
         }
     }
 }

@@ -425,6 +425,19 @@ pub(super) const SECTIONS: &[Section] = &[
         ],
     },
     Section {
+        name: "weave",
+        meaning: "A draft in place of the weave that [cloth] names.",
+        fields: &[optional(
+            field(
+                "draft",
+                "",
+                Kind::Text,
+                "Path to a WIF file; its smallest repeat is woven. `specval weave FILE` prints it.",
+            ),
+            "\"twill.wif\"",
+        )],
+    },
+    Section {
         name: "specular",
         meaning: "Gloss about the cloth's normal (Cook-Torrance), for model and classical shading alike.",
         fields: &[

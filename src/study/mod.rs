@@ -19,7 +19,7 @@ pub use error::{Place, StudyError};
 pub use sections::{
     CentreLineChoice, CheckSection, ClothSection, DistributionChoice, EstimatorChoice, InterferenceChoice,
     MeasuredSection, MediumSection, NumberOrTable, RigSection, ShadeWith, SpectrumSection, SpecularSection,
-    SweepSection, TraceSection, WeaveChoice, YarnSection,
+    SweepSection, TraceSection, WeaveChoice, WeaveSection, YarnSection,
 };
 
 /// A study. The default is the built-in one.
@@ -32,6 +32,8 @@ pub struct Study {
     pub yarn: YarnSection,
     pub trace: TraceSection,
     pub cloth: ClothSection,
+    #[serde(skip_serializing_if = "WeaveSection::is_default")]
+    pub weave: WeaveSection,
     pub specular: SpecularSection,
     pub rig: RigSection,
     pub colour: ColourSection,
@@ -49,6 +51,7 @@ impl Default for Study {
             yarn: Default::default(),
             trace: Default::default(),
             cloth: Default::default(),
+            weave: Default::default(),
             specular: Default::default(),
             rig: Default::default(),
             colour: Default::default(),

@@ -217,6 +217,21 @@ pub enum WeaveChoice {
     Satin5,
 }
 
+/// `[weave]`: a draft in place of the weave that `[cloth]` names.
+#[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WeaveSection {
+    /// Path to a WIF file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub draft: Option<String>,
+}
+
+impl WeaveSection {
+    pub(super) fn is_default(&self) -> bool {
+        self.draft.is_none()
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CentreLineChoice {

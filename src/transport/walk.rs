@@ -5,6 +5,7 @@ use super::spectral::Spectral;
 use super::stream::LaneStream;
 use super::weights::{REFLECTIONS_IN_A_ROW, Weights};
 use super::{Interior, Ledger, Shape, TransportError};
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::Rng};
 
@@ -42,7 +43,8 @@ impl Roulette {
     #[inline(always)]
     pub(super) fn worth(&self, largest: f64, entered: f64, reflections: u64, u: f64) -> f64 {
         let plays = (largest < self.threshold * entered) | (reflections >= REFLECTIONS_IN_A_ROW);
-        let worth = if u < self.survival { 1.0 / self.survival } else { 0.0 };
+        let survivor = if fault::active(Fault::RouletteBias) { 1.01 } else { 1.0 } / self.survival;
+        let worth = if u < self.survival { survivor } else { 0.0 };
         if plays { worth } else { 1.0 }
     }
 }

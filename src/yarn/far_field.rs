@@ -110,7 +110,7 @@ impl<'a> FarFieldTracer<'a> {
         for sharing in &self.sharing {
             let here = sharing.first..sharing.first + sharing.interior.wavelengths();
             let stream = Stream::open(self.effort.seed, Purpose::Check, tilt, batch, sharing.first);
-            let sums = self.yarn.walk(&sharing.interior).trace(
+            let traced = self.yarn.walk(&sharing.interior).trace(
                 stream,
                 paths,
                 |[across, along, side, _]| {
@@ -139,7 +139,7 @@ impl<'a> FarFieldTracer<'a> {
                     add_scaled(&mut scattered[cell * wavelengths..][here.clone()], exit.weights, factor);
                 },
             );
-            ledgers.extend(sums.iter().map(|sum| sum.scaled(scale)));
+            ledgers.extend(traced.ledgers.iter().map(|sum| sum.scaled(scale)));
         }
         FarFieldBatch { scattered, ledgers }
     }

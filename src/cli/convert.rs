@@ -1,0 +1,113 @@
+use super::inspect::Reading;
+use super::{Failure, Terminal};
+use serde::Serialize;
+use specval::formats::{self, Format, Scatter};
+use specval::report::{check_writable, write_whole};
+use std::path::{Path, PathBuf};
+
+/// Writes the same data in another format. What the format cannot hold is resampled or left out, and told on stderr.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Goniometric file of any format.
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// File to write; without --to its extension says in which format.
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// Format to write.
+    #[arg(long, value_name = "FORMAT", value_parser = format_of)]
+    to: Option<Format>,
+    /// Replace OUT where it exists.
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, thiserror::Error)]
+enum ConvertError {
+    #[error("{}: exists already and is left as it is; name another file, or replace it with --force", path.display())]
+    Exists { path: PathBuf },
+    #[error(
+        "{}: expected an extension that names a format (csv, ddr, ddt, sdr, sdt, ssdd, astm, binary, bsdf, xml), found none \
+         of them; say --to FORMAT", path.display()
+    )]
+    Extension { path: PathBuf },
+    #[error("{}: is the file that is read; name another", path.display())]
+    Same { path: PathBuf },
+}
+
+#[derive(Serialize)]
+struct Converted {
+    output: PathBuf,
+    format: &'static str,
+    bytes: usize,
+    notices: Vec<String>,
+}
+
+fn format_of(name: &str) -> Result<Format, String> {
+    let known = Format::ALL
+        .into_iter()
+        .find(|format| format.name() == name.to_ascii_lowercase());
+    known.ok_or_else(|| "expected csv, ddr, sdr, ssdd, astm, merl, rgl or klems".into())
+}
+
+/// What the extension of a file to be written says: its format and, in Integra's files, its kind.
+fn by_extension(path: &Path) -> (Option<Format>, Option<Scatter>) {
+    let extension = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase();
+    match extension.as_str() {
+        "csv" => (Some(Format::Csv), None),
+        "ddr" => (Some(Format::Ddr), Some(Scatter::Reflection)),
+        "ddt" => (Some(Format::Ddr), Some(Scatter::Transmission)),
+        "sdr" => (Some(Format::Sdr), Some(Scatter::Reflection)),
+        "sdt" => (Some(Format::Sdr), Some(Scatter::Transmission)),
+        "ssdd" => (Some(Format::Ssdd), None),
+        "astm" => (Some(Format::Astm), None),
+        "binary" => (Some(Format::Merl), None),
+        "bsdf" => (Some(Format::Rgl), None),
+        "xml" => (Some(Format::RadianceXml), None),
+        _ => (None, None),
+    }
+}
+
+pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
+    let output = &arguments.output;
+    let (by_name, scatter) = by_extension(output);
+    let format = arguments
+        .to
+        .or(by_name)
+        .ok_or_else(|| ConvertError::Extension { path: output.clone() })?;
+    if output.symlink_metadata().is_ok() {
+        if !arguments.force {
+            return Err(ConvertError::Exists { path: output.clone() }.into());
+        }
+        if let (Ok(from), Ok(to)) = (arguments.input.canonicalize(), output.canonicalize())
+            && from == to
+        {
+            return Err(ConvertError::Same { path: output.clone() }.into());
+        }
+    }
+    check_writable(output)?;
+    let data = formats::read(&arguments.input, &arguments.reading.options())?;
+    for warning in &data.warnings {
+        terminal.notice(warning);
+    }
+    let written = formats::write(&data, format, scatter)?;
+    write_whole(output, &written.bytes)?;
+    for notice in &written.notices {
+        terminal.notice(notice);
+    }
+    let converted = Converted {
+        output: output.clone(),
+        format: format.name(),
+        bytes: written.bytes.len(),
+        notices: data.warnings.iter().chain(&written.notices).cloned().collect(),
+    };
+    terminal.result(&converted, |c| {
+        format!("{} bytes of {} written to {}\n", c.bytes, c.format, c.output.display())
+    })
+}

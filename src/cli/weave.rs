@@ -1,0 +1,101 @@
+use super::{Failure, Terminal};
+use serde::Serialize;
+use specval::weave::{Thread, WeaveDraft};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Prints who is on top at each crossing, and what the file says of the threads.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// WIF file.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Drawdown {
+    title: Option<String>,
+    warps: usize,
+    wefts: usize,
+    /// Wefts and warps of the smallest repeat.
+    repeat: [usize; 2],
+    /// A row a pick, `X` where the warp is on top.
+    drawdown: Vec<String>,
+    warp_threads: Vec<ThreadRow>,
+    weft_threads: Vec<ThreadRow>,
+    warnings: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct ThreadRow {
+    rgb: Option<[f64; 3]>,
+    spacing_mm: Option<f64>,
+    thickness_mm: Option<f64>,
+}
+
+pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
+    let draft = WeaveDraft::read(&arguments.file)?;
+    let (warps, wefts) = (draft.warps.len(), draft.wefts.len());
+    let row = |i: usize| {
+        (0..warps)
+            .map(|j| if draft.warp_on_top(i, j) { 'X' } else { '.' })
+            .collect()
+    };
+    let rows = |threads: &[Thread]| {
+        let row = |t: &Thread| ThreadRow {
+            rgb: t.rgb,
+            spacing_mm: t.spacing_mm,
+            thickness_mm: t.thickness_mm,
+        };
+        threads.iter().map(row).collect()
+    };
+    let drawdown = Drawdown {
+        title: draft.title.clone(),
+        warps,
+        wefts,
+        repeat: draft.repeat(),
+        drawdown: (0..wefts).map(row).collect(),
+        warp_threads: rows(&draft.warps),
+        weft_threads: rows(&draft.wefts),
+        warnings: draft.warnings.clone(),
+    };
+    terminal.result(&drawdown, text)
+}
+
+fn text(of: &Drawdown) -> String {
+    let mut text = String::new();
+    if let Some(title) = &of.title {
+        let _ = writeln!(text, "{title}");
+    }
+    let _ = writeln!(
+        text,
+        "{} warps, {} wefts, repeat {} wefts x {} warps; X: warp on top; first pick first\n",
+        of.warps, of.wefts, of.repeat[0], of.repeat[1]
+    );
+    for row in &of.drawdown {
+        let _ = writeln!(text, "{row}");
+    }
+    for (name, threads) in [("warp", &of.warp_threads), ("weft", &of.weft_threads)] {
+        let mut runs: Vec<(usize, &ThreadRow)> = Vec::new();
+        for thread in threads {
+            match runs.last_mut() {
+                Some((count, last)) if last.rgb == thread.rgb && last.spacing_mm == thread.spacing_mm => *count += 1,
+                _ => runs.push((1, thread)),
+            }
+        }
+        let _ = writeln!(text, "\n{name} threads, in order:");
+        for (count, thread) in runs {
+            let rgb = thread
+                .rgb
+                .map_or("no colour".to_owned(), |[r, g, b]| format!("rgb {r:.3} {g:.3} {b:.3}"));
+            let spacing = thread
+                .spacing_mm
+                .map_or(String::new(), |mm| format!(", {mm:.4} mm apart"));
+            let _ = writeln!(text, "  {count} x {rgb}{spacing}");
+        }
+    }
+    for warning in &of.warnings {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    text
+}

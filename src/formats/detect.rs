@@ -1,0 +1,146 @@
+use std::fmt;
+use std::ops::RangeInclusive;
+
+use super::FormatError;
+use super::text::quoted;
+use super::{merl, utia};
+
+/// A file format. It is told by what a file holds, never by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Readings as comma-separated text, of this program.
+    Csv,
+    /// Integra diffuse distribution, `.ddr` (reflection) and `.ddt` (transmission).
+    Ddr,
+    /// Integra specular distribution, `.sdr` and `.sdt`.
+    Sdr,
+    /// Surface Scattering Distribution Data.
+    Ssdd,
+    /// Columns of the ASTM E1392 style.
+    Astm,
+    /// MERL isotropic table.
+    Merl,
+    /// Tensor file of the Realistic Graphics Lab.
+    Rgl,
+    /// Zemax (Radiant) tabular BSDF.
+    Zemax,
+    /// LightTools tabular BSDF.
+    LightTools,
+    /// Radiance and WINDOW: Klems matrix or tensor tree in XML.
+    RadianceXml,
+    /// UTIA anisotropic table.
+    Utia,
+    /// Weave draft; not goniometric.
+    Wif,
+}
+
+impl Format {
+    pub const ALL: [Self; 12] = [
+        Self::Csv,
+        Self::Ddr,
+        Self::Sdr,
+        Self::Ssdd,
+        Self::Astm,
+        Self::Merl,
+        Self::Rgl,
+        Self::Zemax,
+        Self::LightTools,
+        Self::RadianceXml,
+        Self::Utia,
+        Self::Wif,
+    ];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Ddr => "ddr",
+            Self::Sdr => "sdr",
+            Self::Ssdd => "ssdd",
+            Self::Astm => "astm",
+            Self::Merl => "merl",
+            Self::Rgl => "rgl",
+            Self::Zemax => "zemax",
+            Self::LightTools => "lighttools",
+            Self::RadianceXml => "klems",
+            Self::Utia => "utia",
+            Self::Wif => "wif",
+        }
+    }
+
+    /// Sizes in bytes a file of this format can have.
+    pub(super) fn sizes(self) -> RangeInclusive<u64> {
+        const MIB: u64 = 1 << 20;
+        match self {
+            Self::Merl => merl::SIZE..=merl::SIZE,
+            Self::Utia => utia::SIZE..=utia::SIZE,
+            // The largest of the public database, anisotropic and spectral, have a few hundred megabytes.
+            Self::Rgl => 1..=1024 * MIB,
+            Self::Wif => 1..=4 * MIB,
+            _ => 1..=256 * MIB,
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// The format of a file of `size` bytes that begins with `head`.
+pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<Format, FormatError> {
+    let expected = "a goniometric file: csv, ddr, ddt, sdr, sdt, ssdd, astm, merl, rgl, zemax, lighttools, radiance xml \
+                    or utia";
+    if head.is_empty() {
+        return Err(FormatError::file(path, expected, "an empty file"));
+    }
+    if head.starts_with(b"tensor_file\0") {
+        return Ok(Format::Rgl);
+    }
+    if merl::begins(head) {
+        return Ok(Format::Merl);
+    }
+    let text = String::from_utf8_lossy(head);
+    let of_text = of_text(text.trim_start_matches('\u{feff}'));
+    // Numbers without a header may begin with any byte.
+    if size == utia::SIZE && head.contains(&0) && of_text != Some(Format::Ssdd) {
+        return Ok(Format::Utia);
+    }
+    if let Some(format) = of_text {
+        return Ok(format);
+    }
+    let found = format!("a file that begins with {}", quoted(&text));
+    Err(FormatError::file(path, expected, found))
+}
+
+fn of_text(text: &str) -> Option<Format> {
+    if text.trim_start().starts_with('<') {
+        return Some(Format::RadianceXml);
+    }
+    let (mut integra, mut ssdd) = (None, None);
+    let lines = text.split(['\n', '\r']).map(str::trim_start);
+    for line in lines.filter(|l| !l.is_empty() && !l.starts_with(['#', ';'])) {
+        let first = line.split_whitespace().next().unwrap_or_default();
+        match first {
+            "DATA_TYPE" => return Some(Format::Ssdd),
+            "VERSION" => ssdd = Some(Format::Ssdd),
+            "VARS" => return Some(Format::Astm),
+            _ if line.starts_with('[') => return Some(Format::Wif),
+            _ if line.contains("theta_i_deg") => return Some(Format::Csv),
+            _ => {}
+        }
+        for word in line.split_whitespace() {
+            match word.to_ascii_lowercase().as_str() {
+                "angleofincidence" => return Some(Format::Zemax),
+                "aoi" => return Some(Format::LightTools),
+                "phi" | "theta" | "typesym" | "typedata" => integra = Some(Format::Ddr),
+                "typecolormodel" | "sigma" => integra = integra.or(Some(Format::Sdr)),
+                "def" if integra.is_some() => return integra,
+                ";;" => break,
+                _ => {}
+            }
+        }
+    }
+    ssdd.or(integra)
+}

@@ -1,0 +1,314 @@
+use serde::Serialize;
+
+use super::detect::Format;
+use super::grid::Grid;
+use super::klems::KlemsMatrix;
+use super::scattered::Scattered;
+use super::specular::SpecularTable;
+use super::tensor_tree::TensorTree;
+use super::warped::Warped;
+use crate::geometry::Vec3;
+use crate::spectrum::WavelengthGrid;
+
+/// Goniometric data as one file holds them: values over incident and outgoing direction, in the file's own quantity,
+/// parameters and nodes.
+///
+/// The normal is +z, all directions point away from the surface, azimuths run from x towards y.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Goniometric {
+    pub format: Format,
+    /// What the file says of itself.
+    pub provenance: Provenance,
+    /// At least one.
+    pub components: Vec<Component>,
+    /// What the reader had to assume, and what it left out.
+    pub warnings: Vec<String>,
+}
+
+/// What a file says of where its values come from.
+#[derive(Clone, Debug, PartialEq, Default, Serialize)]
+pub struct Provenance {
+    /// `Measured`, `Generated`, `Edited`, …, as the file has it.
+    pub source: Option<String>,
+    /// Other statements, by the file's own key words.
+    pub statements: Vec<(String, String)>,
+    pub comments: Vec<String>,
+}
+
+/// One kind of scattering from one side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Component {
+    pub scatter: Scatter,
+    /// Where the light comes from.
+    pub side: Side,
+    pub quantity: Quantity,
+    pub channels: Channels,
+    pub table: Table,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scatter {
+    Reflection,
+    Transmission,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// The half space of +z.
+    Front,
+    Back,
+}
+
+/// What a table's numbers are. f is the BRDF or, of transmission, the BTDF: radiance per irradiance on the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// f, 1/sr.
+    Bsdf,
+    /// f cos θ_out, 1/sr.
+    BsdfCosine,
+    /// Brightness factor β = π f, 1 for the perfect diffuser.
+    BrightnessFactor,
+    /// Specularly reflected or regularly transmitted fraction of the flux; has no density over solid angle.
+    Fraction,
+    /// Of a scale that the file does not state.
+    Unscaled,
+}
+
+impl Quantity {
+    /// f in 1/sr of a value; `None` where the quantity has no f.
+    pub fn to_bsdf(self, value: f64, cos_out: f64) -> Option<f64> {
+        match self {
+            Self::Bsdf => Some(value),
+            Self::BsdfCosine => Some(value / cos_out),
+            Self::BrightnessFactor => Some(value / std::f64::consts::PI),
+            Self::Fraction | Self::Unscaled => None,
+        }
+    }
+
+    /// The value that stands for f in 1/sr; `None` where the quantity has no f.
+    pub fn of_bsdf(self, bsdf: f64, cos_out: f64) -> Option<f64> {
+        match self {
+            Self::Bsdf => Some(bsdf),
+            Self::BsdfCosine => Some(bsdf * cos_out),
+            Self::BrightnessFactor => Some(bsdf * std::f64::consts::PI),
+            Self::Fraction | Self::Unscaled => None,
+        }
+    }
+}
+
+/// What the values of one geometry stand for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Channels {
+    /// One value of no stated colour; in Radiance files photometric.
+    Monochrome,
+    /// Linear, of primaries that hardly any format states.
+    Rgb,
+    Xyz,
+    Wavelengths(WavelengthGrid),
+}
+
+impl Channels {
+    /// Number of values of a geometry.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Monochrome => 1,
+            Self::Rgb | Self::Xyz => 3,
+            Self::Wavelengths(grid) => grid.len(),
+        }
+    }
+
+    /// A name for each, wavelengths with their unit.
+    pub fn names(&self) -> Vec<String> {
+        let named = |names: &[&str]| names.iter().map(|&n| n.to_owned()).collect();
+        match self {
+            Self::Monochrome => named(&["value"]),
+            Self::Rgb => named(&["R", "G", "B"]),
+            Self::Xyz => named(&["X", "Y", "Z"]),
+            Self::Wavelengths(grid) => grid.nm().iter().map(|nm| format!("{nm}nm")).collect(),
+        }
+    }
+}
+
+/// Values in the parameters of their file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Table {
+    /// A rectangular grid of four angles; linear between nodes.
+    Grid(Grid),
+    /// Readings at directions that need not form a grid.
+    Scattered(Scattered),
+    /// Half vectors through a warp.
+    Warped(Warped),
+    /// Constant on patches.
+    Klems(KlemsMatrix),
+    /// Constant on cells of an adaptive tree.
+    Tree(TensorTree),
+    /// By incident polar angle alone.
+    Specular(SpecularTable),
+}
+
+/// How an evaluation came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Placement {
+    /// A node of the file.
+    OnNode,
+    /// Linear between nodes, in the file's own parameters.
+    Interpolated,
+    /// The mean of a patch or cell, as the file has it.
+    InCell,
+}
+
+/// Values at a pair of directions, one a channel, in the file's quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluation {
+    pub quantity: Quantity,
+    pub values: Vec<f64>,
+    pub placement: Placement,
+    /// |cos θ| of the outgoing direction.
+    pub cos_out: f64,
+}
+
+impl Evaluation {
+    /// f in 1/sr; `None` where the quantity has no f, or at the horizon of a quantity that holds the cosine.
+    pub fn bsdf(&self) -> Option<Vec<f64>> {
+        let all = self.values.iter().map(|&v| self.quantity.to_bsdf(v, self.cos_out));
+        all.collect::<Option<Vec<f64>>>()
+            .filter(|all| all.iter().all(|v| v.is_finite()))
+    }
+
+    /// β = π f.
+    pub fn brightness_factor(&self) -> Option<Vec<f64>> {
+        let mut beta = self.bsdf()?;
+        beta.iter_mut().for_each(|v| *v *= std::f64::consts::PI);
+        Some(beta)
+    }
+}
+
+impl Goniometric {
+    /// The component that has light from the side of `omega_in` and of `omega_out`, and its values there. `None`
+    /// outside what was measured.
+    pub fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Evaluation> {
+        self.components.iter().find_map(|c| c.eval(omega_in, omega_out))
+    }
+
+    pub fn component(&self, scatter: Scatter, side: Side) -> Option<&Component> {
+        self.components
+            .iter()
+            .find(|c| c.scatter == scatter && c.side == side && !matches!(c.table, Table::Specular(_)))
+    }
+}
+
+impl Component {
+    /// Values at unit directions to the light and to the viewer. `None` outside what was measured, on the wrong sides of
+    /// the surface, and for specular tables.
+    pub fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Evaluation> {
+        // Tables know light from above that is seen from above.
+        let up = |side: Side| if side == Side::Front { 1.0 } else { -1.0 };
+        let through = if self.scatter == Scatter::Reflection { 1.0 } else { -1.0 };
+        let flipped = |d: &Vec3, sign: f64| Vec3::new(d.x, d.y, d.z * sign);
+        let omega_in = flipped(omega_in, up(self.side));
+        let omega_out = flipped(omega_out, up(self.side) * through);
+        /// Cosines of directions on the horizon, with rounding.
+        const HORIZON: f64 = -1e-9;
+        if !(omega_in.z >= HORIZON && omega_out.z >= HORIZON) {
+            return None;
+        }
+        let (values, placement) = match &self.table {
+            Table::Grid(grid) => grid.eval(&omega_in, &omega_out)?,
+            Table::Scattered(scattered) => scattered.eval(&omega_in, &omega_out)?,
+            Table::Warped(warped) => warped.eval(&omega_in, &omega_out)?,
+            Table::Klems(matrix) => matrix.eval(&omega_in, &omega_out)?,
+            Table::Tree(tree) => tree.eval(&omega_in, &omega_out)?,
+            Table::Specular(_) => return None,
+        };
+        Some(Evaluation {
+            quantity: self.quantity,
+            values,
+            placement,
+            cos_out: omega_out.z.max(0.0),
+        })
+    }
+
+    /// Incident polar angles of the table's own nodes, in degrees; for tables over half vectors every tenth degree.
+    pub fn incidences_deg(&self) -> Vec<f64> {
+        let nodes_rad = match &self.table {
+            Table::Grid(grid) => grid.incidences_rad(),
+            Table::Scattered(scattered) => scattered.incidences_rad(),
+            Table::Warped(warped) => warped.incidences_rad(),
+            Table::Klems(matrix) => matrix.incidences_rad(),
+            Table::Specular(specular) => specular.incidence().nodes_rad().to_vec(),
+            Table::Tree(_) => every_tenth_degree(),
+        };
+        nodes_rad.into_iter().map(rounded_deg).collect()
+    }
+
+    /// Whether turning the sample about its normal changes nothing, for want of incident azimuths.
+    pub fn is_isotropic(&self) -> bool {
+        match &self.table {
+            Table::Grid(grid) => grid.is_isotropic(),
+            Table::Scattered(scattered) => scattered.is_isotropic(),
+            Table::Warped(warped) => warped.is_isotropic(),
+            Table::Klems(_) => false,
+            Table::Tree(tree) => tree.is_isotropic(),
+            Table::Specular(_) => true,
+        }
+    }
+
+    /// ∫ f cos θ_out dω_out per channel for light from a polar angle and azimuth 0 (180° in tables over the sphere that
+    /// have no 0), and the share of the projected hemisphere that was measured. `None` where nothing was, or where the
+    /// quantity has no f. Midpoint rule, even in sin² θ and azimuth.
+    pub fn directional_hemispherical(&self, theta_i_rad: f64, phi_i_rad: f64) -> Option<(Vec<f64>, f64)> {
+        const RINGS: usize = 90;
+        const SECTORS: usize = 180;
+        let front = if self.side == Side::Front { 1.0 } else { -1.0 };
+        let beyond = if self.scatter == Scatter::Reflection {
+            front
+        } else {
+            -front
+        };
+        let omega_in = direction(theta_i_rad, phi_i_rad);
+        let omega_in = Vec3::new(omega_in.x, omega_in.y, front * omega_in.z);
+        let mut sums = vec![0.0; self.channels.count()];
+        let mut measured = 0usize;
+        for ring in 0..RINGS {
+            let sin2 = (ring as f64 + 0.5) / RINGS as f64;
+            for sector in 0..SECTORS {
+                let phi = (sector as f64 + 0.5) / SECTORS as f64 * std::f64::consts::TAU;
+                let (sin, cos) = (sin2.sqrt(), (1.0 - sin2).sqrt());
+                let omega_out = Vec3::new(sin * phi.cos(), sin * phi.sin(), beyond * cos);
+                let Some(bsdf) = self.eval(&omega_in, &omega_out).and_then(|e| e.bsdf()) else {
+                    continue;
+                };
+                measured += 1;
+                sums.iter_mut().zip(bsdf).for_each(|(sum, f)| *sum += f);
+            }
+        }
+        let cells = (RINGS * SECTORS) as f64;
+        sums.iter_mut().for_each(|sum| *sum *= std::f64::consts::PI / cells);
+        (measured > 0).then_some((sums, measured as f64 / cells))
+    }
+}
+
+pub(super) fn every_tenth_degree() -> Vec<f64> {
+    (0..9).map(|i| f64::from(10 * i).to_radians()).collect()
+}
+
+/// Degrees as they were written: conversion to radians and back is off by a rounding.
+pub(super) fn rounded_deg(angle_rad: f64) -> f64 {
+    (angle_rad.to_degrees() * 1e9).round() / 1e9
+}
+
+/// Unit vector of a polar angle and an azimuth.
+pub fn direction(theta_rad: f64, phi_rad: f64) -> Vec3 {
+    let (sin, cos) = theta_rad.sin_cos();
+    Vec3::new(sin * phi_rad.cos(), sin * phi_rad.sin(), cos)
+}
+
+/// Polar angle and azimuth, 0..2π, of a vector; exact near the poles too.
+pub(super) fn angles_of(v: &Vec3) -> (f64, f64) {
+    let theta = v.x.hypot(v.y).atan2(v.z);
+    (theta, v.y.atan2(v.x).rem_euclid(std::f64::consts::TAU))
+}

@@ -1,0 +1,352 @@
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::axis::{Axis, Between};
+use super::goniometric::{Placement, angles_of, direction, every_tenth_degree};
+use crate::geometry::Vec3;
+
+/// The four angles a file gives its values over. Formulas take directions with the incident azimuth turned to 0; of
+/// transmission, the outgoing direction is mirrored to the incident side first.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Parameters {
+    /// Incident polar angle and azimuth, outgoing polar angle and azimuth. In anisotropic tables the outgoing azimuth
+    /// counts from x, in isotropic ones from the incident azimuth.
+    Spherical,
+    /// Incident polar angle and azimuth, angle from the mirror direction, azimuth about it from the side of the normal.
+    /// The offset at each incident polar angle is added to the polar angle of the mirror direction (refraction).
+    Specular { offsets_rad: Vec<f64> },
+    /// Half vector's polar angle and azimuth, incident direction's relative to it (Rusinkiewicz 1998).
+    HalfDifference,
+    /// As `Specular`, but equal circles about the mirror direction are squeezed into the disc r = 2θ/π.
+    Distorted { offsets_rad: Vec<f64> },
+}
+
+/// What values elsewhere follow from the last azimuth's stored range by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fold {
+    /// The whole circle is stored.
+    None,
+    /// φ and 360° − φ are the same: 0..180° is stored.
+    Mirror,
+    /// φ and φ + 180° are the same: 0..180° is stored.
+    HalfTurn,
+    /// Both: 0..90° is stored.
+    MirrorAndHalfTurn,
+}
+
+/// Values over a rectangular grid of four angles, linear between the nodes. NaN marks nodes without data; they take
+/// no part in interpolation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    parameters: Parameters,
+    axes: [Axis; 4],
+    fold: Fold,
+    channels: usize,
+    /// Steps in `values` of each axis and of the channel.
+    strides: [usize; 5],
+    values: Vec<f64>,
+    has_holes: bool,
+}
+
+impl Grid {
+    /// Axes and channels from the slowest in `values` to the fastest, the channel being 4. Lengths must fit, and were
+    /// checked by the reader.
+    pub(super) fn new(
+        parameters: Parameters,
+        axes: [Axis; 4],
+        fold: Fold,
+        channels: usize,
+        slowest_to_fastest: [usize; 5],
+        values: Vec<f64>,
+    ) -> Self {
+        let length = |axis: usize| axes.get(axis).map_or(channels, |a| a.nodes_rad().len());
+        let mut strides = [0; 5];
+        let mut step = 1;
+        for &axis in slowest_to_fastest.iter().rev() {
+            strides[axis] = step;
+            step *= length(axis);
+        }
+        debug_assert_eq!(step, values.len());
+        let has_holes = values.iter().any(|v| v.is_nan());
+        Self {
+            parameters,
+            axes,
+            fold,
+            channels,
+            strides,
+            values,
+            has_holes,
+        }
+    }
+
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    pub fn axes(&self) -> &[Axis; 4] {
+        &self.axes
+    }
+
+    pub fn fold(&self) -> Fold {
+        self.fold
+    }
+
+    /// A single incident (or half vector's) azimuth is stored.
+    pub fn is_isotropic(&self) -> bool {
+        self.axes[1].is_single()
+    }
+
+    /// Value at a node, by the index on each axis; NaN where there are no data.
+    pub fn at(&self, node: [usize; 4], channel: usize) -> f64 {
+        let axes = node
+            .iter()
+            .zip(&self.strides)
+            .map(|(i, stride)| i * stride)
+            .sum::<usize>();
+        self.values[axes + channel * self.strides[4]]
+    }
+
+    pub(super) fn scale(&mut self, node: [usize; 2], channel: usize, by: f64) {
+        let [_, _, n2, n3] = self.shape();
+        for i2 in 0..n2 {
+            for i3 in 0..n3 {
+                let indices = [node[0], node[1], i2, i3, channel];
+                let at: usize = indices.iter().zip(&self.strides).map(|(i, stride)| i * stride).sum();
+                self.values[at] *= by;
+            }
+        }
+    }
+
+    /// Some nodes have no data.
+    pub fn has_holes(&self) -> bool {
+        self.has_holes
+    }
+
+    /// Nodes on each axis.
+    pub fn shape(&self) -> [usize; 4] {
+        std::array::from_fn(|axis| self.axes[axis].nodes_rad().len())
+    }
+
+    pub(super) fn incidences_rad(&self) -> Vec<f64> {
+        match self.parameters {
+            Parameters::HalfDifference => every_tenth_degree(),
+            _ => self.axes[0].nodes_rad().to_vec(),
+        }
+    }
+
+    pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+        let angles = self.angles(omega_in, omega_out)?;
+        let mut around = [Between::default(); 4];
+        for (axis, slot) in around.iter_mut().enumerate() {
+            *slot = self.axes[axis].locate(angles[axis])?;
+        }
+        // About its pole an azimuth has no meaning.
+        let pole =
+            |polar: usize, azimuth: usize| angles[polar] < 1e-5 && around[polar].on_node && !around[azimuth].on_node;
+        let mut on_node = around.iter().all(|b| b.on_node);
+        if !on_node && (pole(0, 1) || pole(2, 3)) {
+            let skip = |axis: usize| (axis == 1 && pole(0, 1)) || (axis == 3 && pole(2, 3));
+            on_node = (0..4).all(|axis| around[axis].on_node || skip(axis));
+        }
+        let values = self.blend(&around)?;
+        let placement = if on_node {
+            Placement::OnNode
+        } else {
+            Placement::Interpolated
+        };
+        Some((values, placement))
+    }
+
+    /// Multilinear; over nodes that have data.
+    fn blend(&self, around: &[Between; 4]) -> Option<Vec<f64>> {
+        let mut values = vec![0.0; self.channels];
+        let mut total = 0.0;
+        for corner in 0..16u32 {
+            let mut weight = 1.0;
+            let mut at = 0;
+            for (axis, between) in around.iter().enumerate() {
+                let upper = corner >> axis & 1 == 1;
+                weight *= if upper { between.t } else { 1.0 - between.t };
+                at += self.strides[axis] * if upper { between.above } else { between.below };
+            }
+            if weight == 0.0 || (self.has_holes && self.values[at].is_nan()) {
+                continue;
+            }
+            total += weight;
+            for (channel, value) in values.iter_mut().enumerate() {
+                *value += weight * self.values[at + channel * self.strides[4]];
+            }
+        }
+        if self.has_holes {
+            values.iter_mut().for_each(|v| *v /= total);
+        }
+        (total > 0.0).then_some(values)
+    }
+
+    /// The file's four angles of a pair of directions.
+    fn angles(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<[f64; 4]> {
+        let (theta_i, phi_i) = angles_of(omega_in);
+        let mut angles = match &self.parameters {
+            Parameters::Spherical => {
+                let (theta_o, phi_o) = angles_of(omega_out);
+                let turned = if self.is_isotropic() { phi_o - phi_i } else { phi_o };
+                [theta_i, phi_i, theta_o, turned.rem_euclid(TAU)]
+            }
+            Parameters::Specular { offsets_rad } => {
+                let tilt = theta_i + self.offset(offsets_rad, theta_i)?;
+                let (theta, phi) = specular_angles(&about_z(omega_out, -phi_i), tilt);
+                [theta_i, phi_i, theta, phi]
+            }
+            Parameters::Distorted { offsets_rad } => {
+                let tilt = theta_i + self.offset(offsets_rad, theta_i)?;
+                let (theta, phi) = distorted_angles(&about_z(omega_out, -phi_i), tilt);
+                [theta_i, phi_i, theta, phi]
+            }
+            Parameters::HalfDifference => half_difference_angles(omega_in, omega_out),
+        };
+        angles[3] = self.fold.apply(angles[3]);
+        Some(angles)
+    }
+
+    fn offset(&self, offsets_rad: &[f64], theta_i: f64) -> Option<f64> {
+        let b = self.axes[0].locate(theta_i)?;
+        Some(offsets_rad[b.below] + b.t * (offsets_rad[b.above] - offsets_rad[b.below]))
+    }
+
+    /// Directions to light and viewer at a node. The viewer's may be below the horizon; both are `None` where there is no
+    /// such pair.
+    pub(super) fn directions(&self, node: [usize; 4]) -> Option<(Vec3, Vec3)> {
+        let angle: [f64; 4] = std::array::from_fn(|axis| self.axes[axis].nodes_rad()[node[axis]]);
+        let incident = direction(angle[0], angle[1]);
+        let turn = |d: Vec3| about_z(&d, angle[1]);
+        match &self.parameters {
+            Parameters::Spherical => {
+                let base = if self.is_isotropic() { angle[1] } else { 0.0 };
+                Some((incident, direction(angle[2], base + angle[3])))
+            }
+            Parameters::Specular { offsets_rad } => {
+                let tilt = angle[0] + offsets_rad[node[0]];
+                Some((incident, turn(from_specular(angle[2], angle[3], tilt))))
+            }
+            Parameters::Distorted { offsets_rad } => {
+                let tilt = angle[0] + offsets_rad[node[0]];
+                Some((incident, turn(from_distorted(angle[2], angle[3], tilt))))
+            }
+            Parameters::HalfDifference => {
+                let difference = direction(angle[2], angle[3]);
+                let omega_in = about_z(&about_y(&difference, angle[0]), angle[1]);
+                let half = direction(angle[0], angle[1]);
+                let omega_out = half * (2.0 * half.dot(&omega_in)) - omega_in;
+                (omega_in.z >= -1e-12).then_some((omega_in, omega_out))
+            }
+        }
+    }
+}
+
+impl Fold {
+    /// An azimuth in radians brought into the stored range.
+    fn apply(self, phi_rad: f64) -> f64 {
+        match self {
+            Self::None => phi_rad,
+            Self::Mirror if phi_rad > PI => TAU - phi_rad,
+            Self::Mirror => phi_rad,
+            Self::HalfTurn => phi_rad.rem_euclid(PI),
+            Self::MirrorAndHalfTurn => {
+                let half = phi_rad.rem_euclid(PI);
+                if half > FRAC_PI_2 { PI - half } else { half }
+            }
+        }
+    }
+}
+
+fn about_z(d: &Vec3, angle_rad: f64) -> Vec3 {
+    let (sin, cos) = angle_rad.sin_cos();
+    Vec3::new(cos * d.x - sin * d.y, sin * d.x + cos * d.y, d.z)
+}
+
+fn about_y(d: &Vec3, angle_rad: f64) -> Vec3 {
+    let (sin, cos) = angle_rad.sin_cos();
+    Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x)
+}
+
+/// Angle from the axis that is tilted away from the light, and azimuth about it.
+fn specular_angles(omega_out: &Vec3, tilt_rad: f64) -> (f64, f64) {
+    angles_of(&about_y(omega_out, tilt_rad))
+}
+
+fn from_specular(theta_rad: f64, phi_rad: f64, tilt_rad: f64) -> Vec3 {
+    about_y(&direction(theta_rad, phi_rad), -tilt_rad)
+}
+
+/// On the disc of radius 2θ/π, the circle of parameter r about the mirror direction has radius r and its centre at
+/// (1 − r) times that direction's place; r and the azimuth about the centre.
+fn distorted_angles(omega_out: &Vec3, tilt_rad: f64) -> (f64, f64) {
+    let (theta, phi) = angles_of(omega_out);
+    let radius = theta / FRAC_PI_2;
+    let mirror = -tilt_rad / FRAC_PI_2;
+    let (x, y) = (radius * phi.cos() - mirror, radius * phi.sin());
+    // |e + r d| = r with e from the mirror direction's place d to the point.
+    let (ed, ee, a) = (x * mirror, x * x + y * y, 1.0 - mirror * mirror);
+    let r = if a > 1e-12 {
+        (ed + (ed * ed + a * ee).sqrt()) / a
+    } else if ed < 0.0 {
+        -ee / (2.0 * ed)
+    } else {
+        0.0
+    };
+    let azimuth = y.atan2(x + r * mirror).rem_euclid(TAU);
+    (r * FRAC_PI_2, azimuth)
+}
+
+fn from_distorted(theta_rad: f64, phi_rad: f64, tilt_rad: f64) -> Vec3 {
+    let r = theta_rad / FRAC_PI_2;
+    let mirror = -tilt_rad / FRAC_PI_2;
+    let (x, y) = (r * phi_rad.cos() + (1.0 - r) * mirror, r * phi_rad.sin());
+    direction(x.hypot(y) * FRAC_PI_2, y.atan2(x))
+}
+
+fn half_difference_angles(omega_in: &Vec3, omega_out: &Vec3) -> [f64; 4] {
+    let (theta_h, phi_h) = angles_of(&(omega_in + omega_out));
+    let (theta_d, phi_d) = angles_of(&about_y(&about_z(omega_in, -phi_h), -theta_h));
+    [theta_h, phi_h, theta_d, phi_d]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each set of angles leads to directions that have these angles.
+    #[test]
+    fn parameters_invert() {
+        let degrees = |d: [f64; 4]| d.map(f64::to_radians);
+        for parameters in [
+            Parameters::Spherical,
+            Parameters::Specular { offsets_rad: vec![0.1] },
+            Parameters::Distorted { offsets_rad: vec![0.0] },
+            Parameters::HalfDifference,
+        ] {
+            for angles in [
+                [30.0, 40.0, 20.0, 110.0],
+                [12.0, 200.0, 35.0, 300.0],
+                [50.0, 0.5, 5.0, 181.0],
+            ] {
+                let wanted = degrees(angles);
+                let axes = wanted.map(|angle| Axis::bounded(vec![angle]));
+                let grid = Grid::new(parameters.clone(), axes, Fold::None, 1, [0, 1, 2, 3, 4], vec![1.0]);
+                let (omega_in, omega_out) = grid.directions([0; 4]).unwrap();
+                let found = grid.angles(&omega_in, &omega_out).unwrap();
+                for (f, w) in found.iter().zip(wanted) {
+                    assert!((f - w).abs() < 1e-9, "{parameters:?}: {found:?} {wanted:?}");
+                }
+            }
+        }
+    }
+
+    /// The mirror direction, and the side of the normal at azimuth 0.
+    #[test]
+    fn specular_angles_begin_at_the_mirror_direction_towards_the_normal() {
+        let mirror = direction(0.4, PI);
+        assert!(specular_angles(&mirror, 0.4).0 < 1e-12);
+        let (theta, phi) = specular_angles(&direction(0.3, PI), 0.4);
+        assert!((theta - 0.1).abs() < 1e-12 && phi.abs() < 1e-9);
+    }
+}

@@ -1,0 +1,468 @@
+//! Integra's `.ddr`, `.ddt` (diffuse) and `.sdr`, `.sdt` (specular): words separated by white space, `;;` begins a
+//! comment. Reflection and transmission differ by the file's name alone.
+//!
+//! Diffuse values are k v with k of the `kbdf` list: π f (`Luminance`) or f cos θ_out (`Intensity`). `Relative` tables
+//! are scaled so that the directional-hemispherical reflectance of each incidence and channel is k.
+
+use std::f64::consts::TAU;
+
+use super::axis::Axis;
+use super::detect::Format;
+use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table, rounded_deg};
+use super::grid::{Fold, Grid, Parameters};
+use super::specular::SpecularTable;
+use super::text::{NOT_NEGATIVE, Text, Token, Tokens, finite, quoted};
+use super::{FormatError, ReadOptions};
+use crate::spectrum::WavelengthGrid;
+
+struct Header<'a> {
+    source: Option<String>,
+    fold: Fold,
+    rotational: bool,
+    colour: Option<Colour>,
+    quantity: Quantity,
+    relative: bool,
+    psi_deg: Option<Vec<f64>>,
+    sigma_deg: Vec<f64>,
+    sigmat_deg: Option<Vec<f64>>,
+    phi_deg: Option<Vec<f64>>,
+    theta_deg: Vec<f64>,
+    warnings: Vec<String>,
+    /// First word of the data.
+    data: Token<'a>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Colour {
+    Bw,
+    Rgb,
+    Spectral(usize),
+}
+
+impl Colour {
+    fn blocks(self) -> usize {
+        match self {
+            Self::Bw => 1,
+            Self::Rgb => 3,
+            Self::Spectral(count) => count,
+        }
+    }
+}
+
+const BLOCK: &str = "'bw', 'red', 'gre', 'blu' or 'wl'";
+
+fn is_block(token: &Token) -> bool {
+    ["bw", "red", "gre", "green", "blu", "blue", "wl"]
+        .iter()
+        .any(|word| token.is(word))
+}
+
+pub(super) fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniometric, FormatError> {
+    let mut tokens = Tokens::new(text, ";;");
+    let mut header = header(&mut tokens, true)?;
+    let scatter = scatter_of(text.path, "ddr", "ddt", options, &mut header.warnings);
+    let phi_deg = header.phi_deg.clone().unwrap_or_else(|| vec![0.0]);
+    check_phi(text, &header, &phi_deg)?;
+    let colour = colour(&mut tokens, &header)?;
+    let psi_deg = header.psi_deg.clone().unwrap_or_else(|| vec![0.0]);
+    let tables = psi_deg.len() * header.sigma_deg.len();
+    let table = phi_deg.len() * header.theta_deg.len();
+    let count = tables.checked_mul(table).and_then(|n| n.checked_mul(colour.blocks()));
+    let count = count.ok_or_else(|| text.error(header.data.at, "a number of values that can be counted", "more"))?;
+    tokens.room_for(count, "values", header.data.at)?;
+    let mut values = Vec::with_capacity(count);
+    let mut factors = Vec::new();
+    let channels = blocks(&mut tokens, header.data, colour, |tokens, channel| {
+        let k = factors_of(tokens, tables)?;
+        let expected = format!("{} values, finite, 0 or more, in this block", tables * table);
+        tokens.numbers(tables * table, &expected, &NOT_NEGATIVE, &mut values)?;
+        let block = channel * tables * table;
+        if let (Some(k), false) = (&k, header.relative) {
+            for (rows, k) in values[block..].chunks_mut(table).zip(k) {
+                rows.iter_mut().for_each(|v| *v *= k);
+            }
+        }
+        factors.push(k);
+        Ok(())
+    })?;
+    let theta = Axis::bounded(radians(&header.theta_deg));
+    let sigma = Axis::bounded(radians(&header.sigma_deg));
+    let psi = Axis::azimuth(radians(&psi_deg), TAU);
+    let phi = match (header.rotational, header.fold) {
+        (true, _) => Axis::azimuth(vec![0.0], TAU),
+        (_, Fold::Mirror) => Axis::bounded(radians(&phi_deg)),
+        _ => Axis::azimuth(radians(&phi_deg), TAU),
+    };
+    if header.rotational && phi_deg.len() > 1 {
+        return Err(text.error(
+            header.data.at,
+            "one phi in an AxiSymmetrical file",
+            format!("{}", phi_deg.len()),
+        ));
+    }
+    let offsets_rad = match &header.sigmat_deg {
+        Some(sigmat) => sigmat
+            .iter()
+            .zip(&header.sigma_deg)
+            .map(|(t, s)| (t - s).to_radians())
+            .collect(),
+        None => vec![0.0; header.sigma_deg.len()],
+    };
+    let order = [4, 1, 0, 3, 2];
+    let parameters = Parameters::Specular { offsets_rad };
+    let grid = Grid::new(
+        parameters,
+        [sigma, psi, theta, phi],
+        header.fold,
+        colour.blocks(),
+        order,
+        values,
+    );
+    let mut component = Component {
+        scatter,
+        side: Side::Front,
+        quantity: header.quantity,
+        channels,
+        table: Table::Grid(grid),
+    };
+    if header.relative && factors.iter().any(Option::is_some) {
+        let wanted: Vec<Option<&[f64]>> = factors.iter().map(Option::as_deref).collect();
+        make_absolute(text, &mut component, &psi_deg, &header, &wanted)?;
+    } else if header.relative {
+        header
+            .warnings
+            .push("the values are relative and nothing states their scale".into());
+        component.quantity = Quantity::Unscaled;
+    }
+    Ok(Goniometric {
+        format: Format::Ddr,
+        provenance: provenance(header.source, &tokens),
+        components: vec![component],
+        warnings: header.warnings,
+    })
+}
+
+/// Scales each incidence and channel so that its directional-hemispherical reflectance is the stated one.
+fn make_absolute(
+    text: Text,
+    component: &mut Component,
+    psi_deg: &[f64],
+    header: &Header,
+    wanted: &[Option<&[f64]>],
+) -> Result<(), FormatError> {
+    let sigma_count = header.sigma_deg.len();
+    for (p, psi) in psi_deg.iter().enumerate() {
+        for (s, sigma) in header.sigma_deg.iter().enumerate() {
+            let found = component.directional_hemispherical(sigma.to_radians(), psi.to_radians());
+            for (channel, wanted) in wanted.iter().enumerate() {
+                let Some(k) = wanted.map(|k| k[p * sigma_count + s]) else {
+                    continue;
+                };
+                let reflectance = found.as_ref().map_or(0.0, |(values, _)| values[channel]);
+                let by = if k == 0.0 { 0.0 } else { k / reflectance };
+                if !by.is_finite() {
+                    let expected = format!("a table that can be scaled to the reflectance {k}");
+                    let found = format!("one of reflectance {reflectance} at psi {psi}, sigma {sigma}");
+                    return Err(text.error(header.data.at, expected, found));
+                }
+                if let Table::Grid(grid) = &mut component.table {
+                    grid.scale([s, p], channel, by);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn read_specular(text: Text, options: &ReadOptions) -> Result<Goniometric, FormatError> {
+    let mut tokens = Tokens::new(text, ";;");
+    let mut header = header(&mut tokens, false)?;
+    let scatter = scatter_of(text.path, "sdr", "sdt", options, &mut header.warnings);
+    let colour = colour(&mut tokens, &header)?;
+    let nodes = header.sigma_deg.len();
+    let mut by_channel = Vec::new();
+    let channels = blocks(&mut tokens, header.data, colour, |tokens, _| {
+        tokens.keyword("def")?;
+        tokens.numbers(
+            nodes,
+            &format!("{nodes} fractions, 0..1"),
+            &(0.0..=1.0),
+            &mut by_channel,
+        )
+    })?;
+    let count = colour.blocks();
+    let values = (0..nodes)
+        .flat_map(|node| (0..count).map(move |c| c * nodes + node))
+        .map(|i| by_channel[i]);
+    let incidence = Axis::bounded(radians(&header.sigma_deg));
+    let table = SpecularTable::new(incidence, Axis::azimuth(vec![0.0], TAU), count, values.collect());
+    Ok(Goniometric {
+        format: Format::Sdr,
+        provenance: provenance(header.source, &tokens),
+        components: vec![Component {
+            scatter,
+            side: Side::Front,
+            quantity: Quantity::Fraction,
+            channels,
+            table: Table::Specular(table),
+        }],
+        warnings: header.warnings,
+    })
+}
+
+fn header<'a>(tokens: &mut Tokens<'a>, diffuse: bool) -> Result<Header<'a>, FormatError> {
+    let (mut source, mut colour, mut symmetry) = (None, None, None);
+    let (mut quantity, mut relative) = (Quantity::BrightnessFactor, false);
+    let (mut psi, mut sigma, mut sigmat, mut phi, mut theta) = (None, None, None, None, None);
+    let mut warnings = Vec::new();
+    let data = loop {
+        let token = tokens.expect("a key word of the header, or the first block of data")?;
+        if is_block(&token) {
+            break token;
+        }
+        let once = |there: bool| match there {
+            true => Err(tokens.unexpected(&token, "each key word once")),
+            false => Ok(()),
+        };
+        match token.word.to_ascii_lowercase().as_str() {
+            "source" => {
+                once(source.is_some())?;
+                source = Some(one_of(tokens, &["Measured", "Generated", "Edited", "Morphed"])?.to_owned());
+            }
+            "typecolormodel" => {
+                once(colour.is_some())?;
+                colour = Some(match one_of(tokens, &["BW", "RGB", "spectral"])? {
+                    "BW" => Colour::Bw,
+                    "RGB" => Colour::Rgb,
+                    _ => Colour::Spectral(tokens.count("wavelengths")?),
+                });
+            }
+            "typesym" if diffuse => {
+                once(symmetry.is_some())?;
+                let words = ["AxiSymmetrical", "PlaneSymmetrical", "ASymmetrical", "DirSymmetrical"];
+                symmetry = Some(one_of(tokens, &words)?);
+                if tokens.peek().is_some_and(|t| t.is("4D")) {
+                    tokens.next();
+                }
+                if symmetry == Some("DirSymmetrical") {
+                    return Err(tokens.unexpected(&token, "a symmetry of known meaning; that of DirSymmetrical is not"));
+                }
+            }
+            "typedata" if diffuse => {
+                quantity = match one_of(tokens, &["Luminance", "Intensity"])? {
+                    "Luminance" => Quantity::BrightnessFactor,
+                    _ => Quantity::BsdfCosine,
+                };
+                relative = one_of(tokens, &["Absolute", "Relative"])? == "Relative";
+            }
+            "psi" if diffuse => {
+                once(psi.is_some())?;
+                let count = tokens.count("angles psi")?;
+                psi = Some(tokens.angles_deg(count, "angles psi", 0.0..=360.0)?);
+            }
+            "sigma" => {
+                once(sigma.is_some())?;
+                let count = tokens.count("angles sigma")?;
+                sigma = Some(tokens.angles_deg(count, "angles sigma", 0.0..=90.0)?);
+            }
+            "sigmat" if diffuse => {
+                once(sigmat.is_some())?;
+                let count = sigma.as_ref().map(Vec::len);
+                let count = count.ok_or_else(|| tokens.unexpected(&token, "'sigma' before 'sigmat'"))?;
+                let mut angles = Vec::new();
+                tokens.numbers(
+                    count,
+                    "angles sigmat in degrees, 0..90, one a sigma",
+                    &(0.0..=90.0),
+                    &mut angles,
+                )?;
+                sigmat = Some(angles);
+            }
+            "phi" if diffuse => {
+                once(phi.is_some())?;
+                let count = tokens.count("angles phi")?;
+                phi = Some(tokens.angles_deg(count, "angles phi", 0.0..=360.0)?);
+            }
+            "theta" if diffuse => {
+                once(theta.is_some())?;
+                let count = tokens.count("angles theta")?;
+                theta = Some(tokens.angles_deg(count, "angles theta", 0.0..=180.0)?);
+            }
+            _ => return Err(tokens.unexpected(&token, "a key word of the header, or the first block of data")),
+        }
+    };
+    let missing = |word: &str| {
+        tokens
+            .source
+            .error(data.at, format!("'{word}' in the header"), "the first block of data")
+    };
+    if diffuse && symmetry.is_none() {
+        warnings.push("no TypeSym: taken as PlaneSymmetrical, as other readers do".into());
+    }
+    let symmetry = symmetry.unwrap_or("PlaneSymmetrical");
+    let rotational = symmetry == "AxiSymmetrical";
+    if diffuse && phi.is_none() && !rotational {
+        return Err(missing("phi"));
+    }
+    Ok(Header {
+        source,
+        fold: if symmetry == "PlaneSymmetrical" {
+            Fold::Mirror
+        } else {
+            Fold::None
+        },
+        rotational,
+        colour,
+        quantity,
+        relative,
+        psi_deg: psi,
+        sigma_deg: sigma.ok_or_else(|| missing("sigma"))?,
+        sigmat_deg: sigmat,
+        phi_deg: phi,
+        theta_deg: if diffuse {
+            theta.ok_or_else(|| missing("theta"))?
+        } else {
+            Vec::new()
+        },
+        warnings,
+        data,
+    })
+}
+
+/// The word as it is spelt here; other readers take any case.
+fn one_of<'w>(tokens: &mut Tokens, words: &[&'w str]) -> Result<&'w str, FormatError> {
+    let expected = words.join(" or ");
+    let token = tokens.expect(&expected)?;
+    let known = words.iter().find(|word| token.is(word));
+    known.copied().ok_or_else(|| tokens.unexpected(&token, expected))
+}
+
+fn check_phi(text: Text, header: &Header, phi_deg: &[f64]) -> Result<(), FormatError> {
+    let ends = [phi_deg[0], phi_deg[phi_deg.len() - 1]];
+    let expected = match header.fold {
+        _ if header.rotational => return Ok(()),
+        Fold::Mirror => [0.0, 180.0],
+        _ => [0.0, 360.0],
+    };
+    if ends == expected {
+        return Ok(());
+    }
+    let words = format!("angles phi from {} to {} with this TypeSym", expected[0], expected[1]);
+    Err(text.error(header.data.at, words, format!("{} to {}", ends[0], ends[1])))
+}
+
+fn colour(tokens: &mut Tokens, header: &Header) -> Result<Colour, FormatError> {
+    match header.colour {
+        Some(colour) => Ok(colour),
+        None if header.data.is("bw") => Ok(Colour::Bw),
+        None if header.data.is("red") => Ok(Colour::Rgb),
+        None => Err(tokens.unexpected(&header.data, "TypeColorModel in the header")),
+    }
+}
+
+/// All blocks of data, `first` being the first word of the first one; their channels by their words.
+fn blocks<'a>(
+    tokens: &mut Tokens<'a>,
+    first: Token<'a>,
+    colour: Colour,
+    mut content: impl FnMut(&mut Tokens<'a>, usize) -> Result<(), FormatError>,
+) -> Result<Channels, FormatError> {
+    let mut wavelengths: Vec<f64> = Vec::new();
+    let mut token = first;
+    for channel in 0..colour.blocks() {
+        if channel > 0 {
+            token = tokens.expect(BLOCK)?;
+        }
+        let words: &[&str] = match (colour, channel) {
+            (Colour::Bw, _) => &["bw"],
+            (Colour::Rgb, 0) => &["red"],
+            (Colour::Rgb, 1) => &["gre", "green"],
+            (Colour::Rgb, _) => &["blu", "blue"],
+            (Colour::Spectral(_), _) => &["wl"],
+        };
+        if !words.iter().any(|word| token.is(word)) {
+            return Err(tokens.unexpected(&token, format!("the block '{}'", words[0])));
+        }
+        if let Colour::Spectral(_) = colour {
+            let above = wavelengths.last().copied().unwrap_or(0.0);
+            let expected = format!("a wavelength in nm above {above}");
+            let token = tokens.expect(&expected)?;
+            let nm = finite(token.word, &(0.0..=1e6)).filter(|nm| *nm > above);
+            wavelengths.push(nm.ok_or_else(|| tokens.unexpected(&token, expected))?);
+        }
+        content(tokens, channel)?;
+        tokens.keyword("enddef")?;
+    }
+    if let Some(token) = tokens.next() {
+        let expected = format!("the end of the file after {} blocks", colour.blocks());
+        return Err(tokens.unexpected(&token, expected));
+    }
+    Ok(match colour {
+        Colour::Bw => Channels::Monochrome,
+        Colour::Rgb => Channels::Rgb,
+        Colour::Spectral(_) => {
+            let grid = WavelengthGrid::new(wavelengths);
+            Channels::Wavelengths(
+                grid.map_err(|e| FormatError::file(tokens.source.path, "wavelengths", e.to_string()))?,
+            )
+        }
+    })
+}
+
+fn factors_of(tokens: &mut Tokens, count: usize) -> Result<Option<Vec<f64>>, FormatError> {
+    let token = tokens.expect("'kbdf' or 'def'")?;
+    if token.is("def") {
+        return Ok(None);
+    }
+    if !token.is("kbdf") {
+        return Err(tokens.unexpected(&token, "'kbdf' or 'def'"));
+    }
+    let mut factors = Vec::new();
+    let expected = format!("{count} factors, one a psi and sigma, finite, 0 or more");
+    tokens.numbers(count, &expected, &NOT_NEGATIVE, &mut factors)?;
+    tokens.keyword("def")?;
+    Ok(Some(factors))
+}
+
+/// The two kinds have the same content; only the name, or the user, can say which it is.
+pub(super) fn scatter_of(
+    path: &str,
+    reflection: &str,
+    transmission: &str,
+    options: &ReadOptions,
+    warnings: &mut Vec<String>,
+) -> Scatter {
+    let ends = |extension: &str| path.to_ascii_lowercase().ends_with(&format!(".{extension}"));
+    match options.scatter {
+        Some(scatter) => scatter,
+        None if ends(transmission) => Scatter::Transmission,
+        None => {
+            if !ends(reflection) {
+                warnings.push(format!(
+                    "the content does not say whether it is reflection or transmission, nor does the name {}: taken as \
+                     reflection",
+                    quoted(path)
+                ));
+            }
+            Scatter::Reflection
+        }
+    }
+}
+
+fn provenance(source: Option<String>, tokens: &Tokens) -> Provenance {
+    // "Psi = 0" and "Sigma = 20" number the rows.
+    let says = |words: &&&str| !words.starts_with("Psi =") && !words.starts_with("Sigma =");
+    Provenance {
+        source,
+        statements: Vec::new(),
+        comments: tokens.comments().iter().filter(says).map(|&c| c.to_owned()).collect(),
+    }
+}
+
+pub(super) fn radians(degrees: &[f64]) -> Vec<f64> {
+    degrees.iter().map(|angle| angle.to_radians()).collect()
+}
+
+pub(super) fn degrees(axis: &Axis) -> Vec<f64> {
+    axis.nodes_rad().iter().map(|&angle| rounded_deg(angle)).collect()
+}

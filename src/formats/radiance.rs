@@ -1,0 +1,401 @@
+//! BSDF files of Radiance and WINDOW: an XML envelope around Klems matrices or tensor trees. Values are f in 1/sr.
+//!
+//! `Reflection Back` and `Transmission Back` have their light on +z, `Front` on −z.
+
+use roxmltree::{Document, Node as Element};
+
+use super::FormatError;
+use super::detect::Format;
+use super::error::Place;
+use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
+use super::klems::{KlemsBasis, KlemsMatrix};
+use super::tensor_tree::{Node, TensorTree};
+use super::text::{NOT_NEGATIVE, Text, finite, quoted};
+
+/// A basis or a nesting beyond these is none that can be meant.
+const LATITUDES: usize = 46;
+const PATCHES: usize = 10_000;
+const DEPTH: usize = 64;
+
+struct Xml<'a> {
+    path: &'a str,
+    document: &'a Document<'a>,
+}
+
+impl Xml<'_> {
+    fn error(&self, element: Element, expected: impl Into<String>, found: impl Into<String>) -> FormatError {
+        self.error_at(element.range().start, expected, found)
+    }
+
+    fn error_at(&self, at: usize, expected: impl Into<String>, found: impl Into<String>) -> FormatError {
+        let place = self.document.text_pos_at(at);
+        let place = Place::Line {
+            line: place.row as usize,
+            column: place.col as usize,
+        };
+        FormatError::at(self.path, place, expected, found)
+    }
+
+    fn child<'n>(&self, element: Element<'n, 'n>, name: &str) -> Result<Element<'n, 'n>, FormatError> {
+        child(element, name).ok_or_else(|| self.error(element, format!("an element <{name}> in it"), "none"))
+    }
+
+    fn words<'n>(&self, element: Element<'n, 'n>, name: &str) -> Result<&'n str, FormatError> {
+        Ok(words(self.child(element, name)?))
+    }
+
+    fn number(&self, element: Element<'_, '_>, name: &str) -> Result<f64, FormatError> {
+        let child = element.children().find(|n| n.has_tag_name_in_any_space(name));
+        let child = child.ok_or_else(|| self.error(element, format!("an element <{name}> in it"), "none"))?;
+        let word = child.text().unwrap_or_default().trim();
+        finite(word, &(0.0..=1e6)).ok_or_else(|| self.error(child, format!("a number in <{name}>"), quoted(word)))
+    }
+}
+
+/// WINDOW puts its elements into a name space, others do not.
+trait AnySpace {
+    fn has_tag_name_in_any_space(&self, name: &str) -> bool;
+}
+
+impl AnySpace for Element<'_, '_> {
+    fn has_tag_name_in_any_space(&self, name: &str) -> bool {
+        self.is_element() && self.tag_name().name() == name
+    }
+}
+
+fn child<'n>(element: Element<'n, 'n>, name: &str) -> Option<Element<'n, 'n>> {
+    element.children().find(|n| n.has_tag_name_in_any_space(name))
+}
+
+fn words<'n>(element: Element<'n, 'n>) -> &'n str {
+    element.text().unwrap_or_default().trim()
+}
+
+/// The blocks of one direction, by their place in X, Y, Z or in Y, u′, v′.
+struct Blocks<'n> {
+    scatter: Scatter,
+    side: Side,
+    data: [Option<Element<'n, 'n>>; 3],
+}
+
+pub(super) fn read(text: Text) -> Result<Goniometric, FormatError> {
+    let document = Document::parse(text.text).map_err(|e| {
+        let place = Place::Line {
+            line: e.pos().row as usize,
+            column: e.pos().col as usize,
+        };
+        FormatError::at(text.path, place, "XML", e.to_string())
+    })?;
+    let xml = Xml {
+        path: text.path,
+        document: &document,
+    };
+    let root = document.root_element();
+    if !root.has_tag_name_in_any_space("WindowElement") {
+        return Err(xml.error(root, "the root element <WindowElement>", quoted(root.tag_name().name())));
+    }
+    if let Some(kind) = child(root, "FileType")
+        && words(kind) != "BSDF"
+    {
+        return Err(xml.error(kind, "<FileType> BSDF", quoted(words(kind))));
+    }
+    let layer = xml.child(xml.child(root, "Optical")?, "Layer")?;
+    let definition = xml.child(layer, "DataDefinition")?;
+    let structure = xml.words(definition, "IncidentDataStructure")?;
+    let rank = match structure {
+        "Columns" | "Rows" => None,
+        "TensorTree3" => Some(3),
+        "TensorTree4" => Some(4),
+        _ => {
+            let expected = "<IncidentDataStructure> Columns, Rows, TensorTree3 or TensorTree4";
+            return Err(xml.error(definition, expected, quoted(structure)));
+        }
+    };
+    let mut warnings = Vec::new();
+    let blocks = blocks(&xml, layer, rank.is_some(), &mut warnings)?;
+    let mut components = Vec::new();
+    for Blocks { scatter, side, data } in &blocks {
+        let names: &[usize] = if data.iter().all(Option::is_some) {
+            &[0, 1, 2]
+        } else {
+            &[if rank.is_some() { 0 } else { 1 }]
+        };
+        let chosen: Vec<Element> = names.iter().filter_map(|&i| data[i]).collect();
+        if chosen.len() != names.len() {
+            return Err(xml.error(layer, "a block of wavelength Visible for each direction", "none"));
+        }
+        if chosen.len() == 1 && data.iter().flatten().count() > 1 {
+            warnings.push("colour is incomplete and left out: one of the two chromaticity blocks is missing".into());
+        }
+        let table = match rank {
+            Some(rank) => Table::Tree(TensorTree::new(
+                rank,
+                chosen
+                    .iter()
+                    .map(|&block| tree(&xml, block, rank))
+                    .collect::<Result<_, _>>()?,
+            )),
+            None => Table::Klems(matrix(&xml, definition, &chosen, structure == "Rows")?),
+        };
+        components.push(Component {
+            scatter: *scatter,
+            side: *side,
+            quantity: Quantity::Bsdf,
+            channels: if chosen.len() == 3 {
+                Channels::Xyz
+            } else {
+                Channels::Monochrome
+            },
+            table,
+        });
+    }
+    if components.is_empty() {
+        return Err(xml.error(layer, "a <WavelengthData> of Visible light in it", "none"));
+    }
+    let mut provenance = Provenance::default();
+    if let Some(material) = child(layer, "Material") {
+        for element in material.children().filter(Element::is_element) {
+            if !words(element).is_empty() {
+                let name = element.tag_name().name().to_owned();
+                provenance.statements.push((name, words(element).to_owned()));
+            }
+        }
+    }
+    Ok(Goniometric {
+        format: Format::RadianceXml,
+        provenance,
+        components,
+        warnings,
+    })
+}
+
+fn blocks<'n>(
+    xml: &Xml,
+    layer: Element<'n, 'n>,
+    is_tree: bool,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Blocks<'n>>, FormatError> {
+    let mut all: Vec<Blocks> = Vec::new();
+    for data in layer
+        .children()
+        .filter(|n| n.has_tag_name_in_any_space("WavelengthData"))
+    {
+        let wavelength = xml.words(data, "Wavelength")?;
+        let channel = match (wavelength, is_tree) {
+            ("CIE-X", false) => 0,
+            ("Visible", false) => 1,
+            ("CIE-Z", false) => 2,
+            ("Visible", true) => 0,
+            ("CIE-u", true) => 1,
+            ("CIE-v", true) => 2,
+            _ => {
+                warnings.push(format!("data of wavelength {} are left out", quoted(wavelength)));
+                continue;
+            }
+        };
+        for block in data
+            .children()
+            .filter(|n| n.has_tag_name_in_any_space("WavelengthDataBlock"))
+        {
+            let direction = xml.words(block, "WavelengthDataDirection")?;
+            let (scatter, side) = match direction {
+                "Reflection Back" => (Scatter::Reflection, Side::Front),
+                "Reflection Front" => (Scatter::Reflection, Side::Back),
+                "Transmission Back" => (Scatter::Transmission, Side::Front),
+                "Transmission Front" => (Scatter::Transmission, Side::Back),
+                _ => {
+                    let expected = "<WavelengthDataDirection> Reflection or Transmission, Front or Back";
+                    return Err(xml.error(block, expected, quoted(direction)));
+                }
+            };
+            let index = all
+                .iter()
+                .position(|b| (b.scatter, b.side) == (scatter, side))
+                .unwrap_or_else(|| {
+                    all.push(Blocks {
+                        scatter,
+                        side,
+                        data: [None; 3],
+                    });
+                    all.len() - 1
+                });
+            if all[index].data[channel].replace(block).is_some() {
+                return Err(xml.error(
+                    block,
+                    "each direction and wavelength once",
+                    format!("{direction} of {wavelength} again"),
+                ));
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn matrix(xml: &Xml, definition: Element, blocks: &[Element], rows: bool) -> Result<KlemsMatrix, FormatError> {
+    let mut bases = None;
+    let mut values = Vec::new();
+    for &block in blocks {
+        let find = |name: &str| -> Result<&str, FormatError> {
+            let element = block.children().find(|n| n.has_tag_name_in_any_space(name));
+            let element = element.ok_or_else(|| xml.error(block, format!("an element <{name}> in it"), "none"))?;
+            Ok(element.text().unwrap_or_default().trim())
+        };
+        let incident = basis(xml, definition, find("ColumnAngleBasis")?, block)?;
+        let exiting = basis(xml, definition, find("RowAngleBasis")?, block)?;
+        let (n_in, n_out) = (incident.count(), exiting.count());
+        let data = block.children().find(|n| n.has_tag_name_in_any_space("ScatteringData"));
+        let data = data.ok_or_else(|| xml.error(block, "an element <ScatteringData> in it", "none"))?;
+        let text = data.text().unwrap_or_default();
+        let count = n_in * n_out;
+        let start = values.len();
+        for word in text.split([',', ' ', '\t', '\n', '\r']).filter(|word| !word.is_empty()) {
+            if values.len() - start == count {
+                return Err(xml.error(data, format!("{count} values, {n_in} x {n_out}"), "more"));
+            }
+            let value = finite(word, &NOT_NEGATIVE);
+            let value =
+                value.ok_or_else(|| xml.error(data, "values in 1/sr, 0 or more, between commas", quoted(word)))?;
+            values.push(value);
+        }
+        if values.len() - start != count {
+            let found = format!("{}", values.len() - start);
+            return Err(xml.error(data, format!("{count} values, {n_in} x {n_out}"), found));
+        }
+        if rows {
+            let transposed: Vec<f64> = (0..count)
+                .map(|at| values[start + at % n_in * n_out + at / n_in])
+                .collect();
+            values[start..].copy_from_slice(&transposed);
+        }
+        match &bases {
+            None => bases = Some((incident, exiting)),
+            Some(first) if *first == (incident, exiting) => {}
+            Some(_) => return Err(xml.error(block, "the same angle bases in all wavelengths", "others")),
+        }
+    }
+    let (incident, exiting) = bases.ok_or_else(|| xml.error(definition, "a block of data", "none"))?;
+    Ok(KlemsMatrix::new(incident, exiting, values))
+}
+
+/// A basis known by name, or as the file defines it.
+fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<KlemsBasis, FormatError> {
+    if let Some(known) = KlemsBasis::named(name) {
+        return Ok(known);
+    }
+    let is_it = |basis: &Element| {
+        let title = basis.children().find(|n| n.has_tag_name_in_any_space("AngleBasisName"));
+        title.is_some_and(|title| title.text().unwrap_or_default().trim() == name)
+    };
+    let mut bases = definition
+        .children()
+        .filter(|n| n.has_tag_name_in_any_space("AngleBasis"));
+    let found = bases.find(is_it);
+    let found =
+        found.ok_or_else(|| xml.error(at, "an angle basis known by name or defined in the file", quoted(name)))?;
+    let mut limits = vec![0.0];
+    let mut patches = Vec::new();
+    for ring in found
+        .children()
+        .filter(|n| n.has_tag_name_in_any_space("AngleBasisBlock"))
+    {
+        let bounds = ring.children().find(|n| n.has_tag_name_in_any_space("ThetaBounds"));
+        let bounds = bounds.ok_or_else(|| xml.error(ring, "an element <ThetaBounds> in it", "none"))?;
+        let (lower, upper) = (xml.number(bounds, "LowerTheta")?, xml.number(bounds, "UpperTheta")?);
+        if limits.last() != Some(&lower) {
+            return Err(xml.error(bounds, "a <LowerTheta> where the last block ended", lower.to_string()));
+        }
+        limits.push(upper);
+        patches.push(xml.number(ring, "nPhis")?);
+    }
+    let counts: Vec<usize> = patches.iter().map(|&n| n as usize).collect();
+    let whole = patches.iter().all(|n| n.fract() == 0.0);
+    let small = patches.len() <= LATITUDES && patches.iter().sum::<f64>() <= PATCHES as f64;
+    let basis = if whole && small {
+        KlemsBasis::new(name, limits, counts)
+    } else {
+        None
+    };
+    let expected = "rings of patches from 0 to 90 degrees, the first with one patch";
+    basis.ok_or_else(|| xml.error(found, expected, "others"))
+}
+
+fn tree(xml: &Xml, block: Element, rank: usize) -> Result<Node, FormatError> {
+    let data = block.children().find(|n| n.has_tag_name_in_any_space("ScatteringData"));
+    let data = data.ok_or_else(|| xml.error(block, "an element <ScatteringData> in it", "none"))?;
+    let text = data.text().unwrap_or_default();
+    let mut words = Braces { rest: text };
+    let refuse = |expected: String, found: &str| xml.error(data, expected, quoted(found));
+    if words.next() != Some("{") {
+        return Err(refuse("'{' at the beginning of a tree".into(), text.trim_start()));
+    }
+    // Nodes begun and not yet ended: their children and their values.
+    let mut open: Vec<(Vec<Node>, Vec<f64>)> = vec![Default::default()];
+    loop {
+        let word = words.next().ok_or_else(|| refuse("'}' for every '{'".into(), ""))?;
+        match word {
+            "{" => {
+                if open.len() == DEPTH {
+                    return Err(refuse(format!("at most {DEPTH} nested braces"), "more"));
+                }
+                open.push(Default::default());
+            }
+            "}" => {
+                let (children, values) = open.pop().unwrap_or_default();
+                let node = ended(children, values, rank).map_err(|found| {
+                    let expected = format!(
+                        "{} nodes, or a power of {} values, between braces",
+                        1 << rank,
+                        1 << rank
+                    );
+                    refuse(expected, &found)
+                })?;
+                match open.last_mut() {
+                    Some((siblings, _)) => siblings.push(node),
+                    None if words.next().is_none() => return Ok(node),
+                    None => return Err(refuse("the end of the tree after its last brace".into(), "more")),
+                }
+            }
+            number => {
+                let value = finite(number, &NOT_NEGATIVE);
+                let value = value.ok_or_else(|| refuse("values in 1/sr, 0 or more".into(), number))?;
+                if let Some((_, values)) = open.last_mut() {
+                    values.push(value);
+                }
+            }
+        }
+    }
+}
+
+fn ended(children: Vec<Node>, values: Vec<f64>, rank: usize) -> Result<Node, String> {
+    let found = format!("{} nodes and {} values", children.len(), values.len());
+    if values.is_empty() && children.len() == 1 << rank {
+        return Ok(Node::Branch(children));
+    }
+    let count = values.len();
+    let fits = children.is_empty() && count.is_power_of_two() && (count.trailing_zeros() as usize).is_multiple_of(rank);
+    if fits { Ok(Node::Grid(values)) } else { Err(found) }
+}
+
+/// Braces and numbers between commas and white space.
+struct Braces<'a> {
+    rest: &'a str,
+}
+
+impl<'a> Iterator for Braces<'a> {
+    type Item = &'a str;
+
+    fn next(&mut self) -> Option<&'a str> {
+        let between = |c: char| c.is_whitespace() || c == ',';
+        self.rest = self.rest.trim_start_matches(between);
+        let end = match self.rest.chars().next()? {
+            '{' | '}' => 1,
+            _ => self
+                .rest
+                .find(|c: char| between(c) || c == '{' || c == '}')
+                .unwrap_or(self.rest.len()),
+        };
+        let (word, rest) = self.rest.split_at(end);
+        self.rest = rest;
+        Some(word)
+    }
+}

@@ -1,0 +1,380 @@
+//! The tensor file of the Realistic Graphics Lab (`.bsdf` of the RGL material database, Mitsuba's and pbrt's `measured`):
+//! named arrays in one binary file, little-endian.
+
+use std::collections::BTreeMap;
+
+use super::FormatError;
+use super::detect::Format;
+use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
+use super::text::quoted;
+use super::warped::{Arrays, Warped};
+use crate::spectrum::WavelengthGrid;
+
+const MAGIC: &[u8] = b"tensor_file\0";
+const U8: u8 = 1;
+const F32: u8 = 10;
+/// Element sizes by the file's type code.
+const SIZES: [u8; 12] = [0, 1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8];
+
+/// An array's place in the file.
+struct Field {
+    element: u8,
+    shape: Vec<usize>,
+    offset: usize,
+    count: usize,
+    /// Where the field is described.
+    at: usize,
+}
+
+/// Reads little-endian numbers on from a place.
+struct Cursor<'a> {
+    path: &'a str,
+    bytes: &'a [u8],
+    position: usize,
+}
+
+impl<'a> Cursor<'a> {
+    fn take(&mut self, count: usize, what: &str) -> Result<&'a [u8], FormatError> {
+        let taken = self.bytes.get(self.position..).and_then(|rest| rest.get(..count));
+        let taken = taken.ok_or_else(|| FormatError::byte(self.path, self.position, what, "the end of the file"))?;
+        self.position += count;
+        Ok(taken)
+    }
+
+    fn number<const N: usize>(&mut self, what: &str) -> Result<[u8; N], FormatError> {
+        let mut word = [0; N];
+        word.copy_from_slice(self.take(N, what)?);
+        Ok(word)
+    }
+}
+
+pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError> {
+    let fields = fields(path, bytes)?;
+    let file = File { path, bytes, fields };
+    let theta_i = file.array("theta_i", &[None])?;
+    let phi_i = file.array("phi_i", &[None])?;
+    for (name, angles, low, high) in [("theta_i", &theta_i, -1e-4, 1.5709), ("phi_i", &phi_i, -3.1417, 6.2833)] {
+        let ascending = angles.windows(2).all(|pair| pair[0] < pair[1]);
+        if !ascending || angles.iter().any(|a| !(low..=high).contains(&f64::from(*a))) {
+            let expected = format!("`{name}` ascending radians from {low} to {high}");
+            return Err(FormatError::file(path, expected, "others"));
+        }
+    }
+    let (phis, thetas) = (Some(phi_i.len()), Some(theta_i.len()));
+    let ndf = file.array("ndf", &[None, None])?;
+    let sigma = file.array("sigma", &[None, None])?;
+    let vndf = file.array("vndf", &[phis, thetas, None, None])?;
+    let luminance_shape = file.shape("luminance")?;
+    file.array("luminance", &[phis, thetas, None, None])?;
+    let square = luminance_shape.last().copied();
+    let (channels, values) = if file.fields.contains_key("spectra") {
+        let wavelengths = file.array("wavelengths", &[None])?;
+        let count = wavelengths.len();
+        let nm = wavelengths.into_iter().map(f64::from).collect();
+        let grid =
+            WavelengthGrid::new(nm).map_err(|e| FormatError::file(path, "ascending `wavelengths`", e.to_string()))?;
+        let values = file.array("spectra", &[phis, thetas, Some(count), square, square])?;
+        (Channels::Wavelengths(grid), values)
+    } else {
+        if file.fields.contains_key("wavelengths") {
+            return Err(FormatError::file(
+                path,
+                "`spectra` beside `wavelengths`",
+                "no such array",
+            ));
+        }
+        (
+            Channels::Rgb,
+            file.array("rgb", &[phis, thetas, Some(3), square, square])?,
+        )
+    };
+    let jacobian = match file.bytes_of("jacobian")? {
+        [0] => false,
+        [1] => true,
+        other => {
+            return Err(FormatError::file(
+                path,
+                "`jacobian` 0 or 1",
+                format!("{} bytes, another value", other.len()),
+            ));
+        }
+    };
+    let description = String::from_utf8_lossy(file.bytes_of("description")?).into_owned();
+    let arrays = Arrays {
+        isotropic: phi_i.len() <= 2,
+        phi_i: phi_i.into_iter().map(f64::from).collect(),
+        theta_i: theta_i.into_iter().map(f64::from).collect(),
+        ndf_shape: file.square_shape("ndf")?,
+        ndf,
+        sigma_shape: file.square_shape("sigma")?,
+        sigma,
+        vndf_shape: file.square_shape("vndf")?,
+        vndf,
+        size: square.unwrap_or(0),
+        channels: channels.count(),
+        values,
+        jacobian,
+    };
+    if arrays.size < 2 {
+        return Err(FormatError::file(path, "`luminance` of 2 x 2 nodes or more", "fewer"));
+    }
+    let warped = Warped::new(arrays).map_err(|expected| FormatError::file(path, expected, "others"))?;
+    if let Some(index) = warped.negative_above_horizon() {
+        let name = if channels == Channels::Rgb { "rgb" } else { "spectra" };
+        let offset = file.field(name, F32)?.offset + 4 * index;
+        return Err(FormatError::byte(
+            path,
+            offset,
+            format!("a value of `{name}`, 0 or more"),
+            "a negative one",
+        ));
+    }
+    let mut warnings = Vec::new();
+    if channels == Channels::Rgb {
+        warnings.push("the RGB primaries are not stated".to_owned());
+    }
+    let provenance = Provenance {
+        source: None,
+        statements: vec![("description".into(), description)],
+        comments: Vec::new(),
+    };
+    Ok(Goniometric {
+        format: Format::Rgl,
+        provenance,
+        components: vec![Component {
+            scatter: Scatter::Reflection,
+            side: Side::Front,
+            quantity: Quantity::BsdfCosine,
+            channels,
+            table: Table::Warped(warped),
+        }],
+        warnings,
+    })
+}
+
+fn fields(path: &str, bytes: &[u8]) -> Result<BTreeMap<String, Field>, FormatError> {
+    let mut cursor = Cursor {
+        path,
+        bytes,
+        position: 0,
+    };
+    if cursor.take(12, "the beginning of a tensor file")? != MAGIC {
+        return Err(FormatError::byte(path, 0, "the beginning of a tensor file", "another"));
+    }
+    let version = cursor.take(2, "version 1.0")?;
+    if version != [1, 0] {
+        let found = format!("version {}.{}", version[0], version[1]);
+        return Err(FormatError::byte(path, 12, "version 1.0", found));
+    }
+    let count = u32::from_le_bytes(cursor.number("the number of arrays")?);
+    let mut fields = BTreeMap::new();
+    for _ in 0..count {
+        let at = cursor.position;
+        let length = u16::from_le_bytes(cursor.number("the length of an array's name")?);
+        let name = cursor.take(usize::from(length), "the name of an array")?;
+        let name =
+            std::str::from_utf8(name).map_err(|_| FormatError::byte(path, at, "a name in UTF-8", "other bytes"))?;
+        let dimensions = u16::from_le_bytes(cursor.number("a number of dimensions")?);
+        let [element] = cursor.number::<1>("an element type")?;
+        let size = SIZES.get(usize::from(element)).filter(|&&size| size > 0);
+        let size = size.ok_or_else(|| FormatError::byte(path, at, "an element type 1..11", element.to_string()))?;
+        let offset = u64::from_le_bytes(cursor.number("the place of an array")?);
+        let mut shape = Vec::new();
+        for _ in 0..dimensions {
+            let length = u64::from_le_bytes(cursor.number("the length of an axis")?);
+            shape.push(usize::try_from(length).unwrap_or(usize::MAX));
+        }
+        let elements = shape.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
+        let end = elements
+            .and_then(|n| n.checked_mul(usize::from(*size)))
+            .and_then(|n| n.checked_add(usize::try_from(offset).ok()?));
+        let (Some(elements), Some(true)) = (elements, end.map(|end| end <= bytes.len())) else {
+            let expected = format!(
+                "the array {} of shape {shape:?} from byte {offset} within the file",
+                quoted(name)
+            );
+            return Err(FormatError::byte(
+                path,
+                at,
+                expected,
+                format!("a file of {} bytes", bytes.len()),
+            ));
+        };
+        let field = Field {
+            element,
+            shape,
+            offset: offset as usize,
+            count: elements,
+            at,
+        };
+        if fields.insert(name.to_owned(), field).is_some() {
+            return Err(FormatError::byte(path, at, "each array once", quoted(name)));
+        }
+    }
+    Ok(fields)
+}
+
+struct File<'a> {
+    path: &'a str,
+    bytes: &'a [u8],
+    fields: BTreeMap<String, Field>,
+}
+
+impl File<'_> {
+    fn field(&self, name: &str, element: u8) -> Result<&Field, FormatError> {
+        let field = self.fields.get(name);
+        let field = field.ok_or_else(|| FormatError::file(self.path, format!("an array `{name}`"), "none"))?;
+        if field.element == element {
+            return Ok(field);
+        }
+        let expected = format!("`{name}` of element type {element}");
+        Err(FormatError::byte(
+            self.path,
+            field.at,
+            expected,
+            field.element.to_string(),
+        ))
+    }
+
+    fn shape(&self, name: &str) -> Result<&[usize], FormatError> {
+        Ok(&self.field(name, F32)?.shape)
+    }
+
+    /// Rows and columns of an array's last two axes.
+    fn square_shape(&self, name: &str) -> Result<[usize; 2], FormatError> {
+        match self.shape(name)? {
+            [.., rows, columns] if *rows >= 2 && *columns >= 2 => Ok([*rows, *columns]),
+            _ => Err(FormatError::file(
+                self.path,
+                format!("`{name}` of 2 x 2 nodes or more"),
+                "fewer",
+            )),
+        }
+    }
+
+    fn bytes_of(&self, name: &str) -> Result<&[u8], FormatError> {
+        let field = self.field(name, U8)?;
+        Ok(&self.bytes[field.offset..field.offset + field.count])
+    }
+
+    /// An array of finite values, 0 or more but for angles; lengths that are known must be these.
+    fn array(&self, name: &str, lengths: &[Option<usize>]) -> Result<Vec<f32>, FormatError> {
+        let field = self.field(name, F32)?;
+        let fits = field.shape.len() == lengths.len()
+            && field
+                .shape
+                .iter()
+                .zip(lengths)
+                .all(|(n, known)| *n > 0 && known.is_none_or(|known| *n == known));
+        if !fits {
+            let known = lengths.iter().map(|n| n.map_or("any".into(), |n| n.to_string()));
+            let expected = format!("`{name}` of shape {}", known.collect::<Vec<_>>().join(" x "));
+            return Err(FormatError::byte(
+                self.path,
+                field.at,
+                expected,
+                format!("{:?}", field.shape),
+            ));
+        }
+        let bytes = &self.bytes[field.offset..field.offset + 4 * field.count];
+        let mut values = Vec::with_capacity(field.count);
+        for (index, bytes) in bytes.chunks_exact(4).enumerate() {
+            let value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+            if !value.is_finite() || (value < 0.0 && !matches!(name, "phi_i" | "rgb" | "spectra")) {
+                let at = field.offset + 4 * index;
+                return Err(FormatError::byte(
+                    self.path,
+                    at,
+                    format!("a value of `{name}`, 0 or more"),
+                    value.to_string(),
+                ));
+            }
+            values.push(value);
+        }
+        Ok(values)
+    }
+}
+
+/// An array to be written.
+enum Content<'a> {
+    Bytes(&'a [u8]),
+    Floats(&'a [f32]),
+}
+
+/// What [`write`] puts into a file, f cos θ_out over the half vector's unit square without a warp.
+pub(super) struct Unwarped<'a> {
+    pub(super) description: &'a str,
+    pub(super) phi_i_rad: &'a [f32],
+    pub(super) theta_i_rad: &'a [f32],
+    pub(super) wavelengths_nm: Option<&'a [f32]>,
+    /// Nodes along either side of the square.
+    pub(super) size: usize,
+    /// φ_i, θ_i, y, x.
+    pub(super) luminance: &'a [f32],
+    /// φ_i, θ_i, channel, y, x.
+    pub(super) values: &'a [f32],
+}
+
+/// With ndf = 1, σ = 1/4 and a constant vndf the warp is the identity and the Jacobian's factor is 1, so that every
+/// reader of the format finds the stored values themselves.
+pub(super) fn write(content: &Unwarped) -> Vec<u8> {
+    let slices = content.phi_i_rad.len() * content.theta_i_rad.len();
+    let (phis, thetas, n) = (content.phi_i_rad.len(), content.theta_i_rad.len(), content.size);
+    let channels = content.values.len() / (slices * n * n);
+    let ones = vec![1.0f32; 4 * slices];
+    let quarter = [0.25f32; 4];
+    let mut fields: Vec<(&str, Vec<usize>, Content)> = vec![
+        (
+            "description",
+            vec![content.description.len()],
+            Content::Bytes(content.description.as_bytes()),
+        ),
+        ("phi_i", vec![phis], Content::Floats(content.phi_i_rad)),
+        ("theta_i", vec![thetas], Content::Floats(content.theta_i_rad)),
+        ("ndf", vec![2, 2], Content::Floats(&ones[..4])),
+        ("sigma", vec![2, 2], Content::Floats(&quarter)),
+        ("vndf", vec![phis, thetas, 2, 2], Content::Floats(&ones)),
+        (
+            "luminance",
+            vec![phis, thetas, n, n],
+            Content::Floats(content.luminance),
+        ),
+        ("jacobian", vec![1], Content::Bytes(&[1])),
+    ];
+    let shape = vec![phis, thetas, channels, n, n];
+    match content.wavelengths_nm {
+        Some(nm) => {
+            fields.push(("wavelengths", vec![nm.len()], Content::Floats(nm)));
+            fields.push(("spectra", shape, Content::Floats(content.values)));
+        }
+        None => fields.push(("rgb", shape, Content::Floats(content.values))),
+    }
+    let head: usize = fields
+        .iter()
+        .map(|(name, shape, _)| 13 + name.len() + 8 * shape.len())
+        .sum();
+    let mut offset = (MAGIC.len() + 6 + head).next_multiple_of(8);
+    let mut file = MAGIC.to_vec();
+    file.extend([1, 0]);
+    file.extend((fields.len() as u32).to_le_bytes());
+    let mut data = Vec::new();
+    for (name, shape, content) in &fields {
+        file.extend((name.len() as u16).to_le_bytes());
+        file.extend(name.as_bytes());
+        file.extend((shape.len() as u16).to_le_bytes());
+        file.push(if matches!(content, Content::Bytes(_)) { U8 } else { F32 });
+        file.extend((offset as u64).to_le_bytes());
+        shape.iter().for_each(|&n| file.extend((n as u64).to_le_bytes()));
+        let before = data.len();
+        match content {
+            Content::Bytes(bytes) => data.extend_from_slice(bytes),
+            Content::Floats(values) => values.iter().for_each(|v| data.extend(v.to_le_bytes())),
+        }
+        // Some readers use the arrays in place and need them aligned.
+        data.resize(data.len().next_multiple_of(8), 0);
+        offset += data.len() - before;
+    }
+    file.resize(file.len().next_multiple_of(8), 0);
+    file.extend(data);
+    file
+}

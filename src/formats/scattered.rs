@@ -1,0 +1,220 @@
+use std::f64::consts::TAU;
+
+use super::axis::Axis;
+use super::goniometric::{Placement, angles_of};
+use crate::geometry::Vec3;
+
+/// Readings at pairs of directions, sorted into a tree of angles: incident polar angle and azimuth, outgoing polar angle
+/// and azimuth, or, of readings in the plane of incidence alone, incident polar angle and signed view angle. Linear
+/// in each angle in turn; nothing beyond what was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scattered {
+    directions: Directions,
+    /// Only one side of the plane of incidence was read; the other mirrors it.
+    mirrored: bool,
+    isotropic: bool,
+    tree: Branch,
+    channels: usize,
+    /// One row a reading, channel fastest.
+    values: Vec<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Directions {
+    /// Four angles a reading, in radians: θ_in, φ_in, θ_out, φ_out.
+    Sphere,
+    /// θ_in and θ_v, the latter negative on the side of the light.
+    Plane,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Branch {
+    axis: Axis,
+    below: Vec<Node>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Node {
+    Branch(Branch),
+    Reading(usize),
+}
+
+/// A pair of readings of the same directions, by their places in the file.
+pub(super) struct Twice(pub(super) usize, pub(super) usize);
+
+impl Scattered {
+    /// `angles` has as many angles in each row as `directions` has; there is at least one row.
+    pub(super) fn new(
+        directions: Directions,
+        angles: &[Vec<f64>],
+        channels: usize,
+        values: Vec<f64>,
+    ) -> Result<Self, Twice> {
+        debug_assert_eq!(angles.len() * channels, values.len());
+        let mut order: Vec<usize> = (0..angles.len()).collect();
+        order.sort_by(|&a, &b| {
+            let pairs = angles[a].iter().zip(&angles[b]);
+            pairs.fold(std::cmp::Ordering::Equal, |order, (x, y)| order.then(x.total_cmp(y)))
+        });
+        if let Some(pair) = order.windows(2).find(|pair| angles[pair[0]] == angles[pair[1]]) {
+            return Err(Twice(pair[0].min(pair[1]), pair[0].max(pair[1])));
+        }
+        let sphere = directions == Directions::Sphere;
+        let isotropic = !sphere || angles.iter().all(|a| a[1] == angles[0][1]);
+        let sides = || {
+            angles
+                .iter()
+                .map(|a| (a[3] - a[1]).sin())
+                .filter(|side| side.abs() > 1e-9)
+        };
+        let one_side = |sign: f64| sides().next().is_some() && sides().all(|side| side * sign > 0.0);
+        Ok(Self {
+            directions,
+            mirrored: sphere && isotropic && (one_side(1.0) || one_side(-1.0)),
+            isotropic,
+            tree: Branch::new(angles, &order, 0, sphere),
+            channels,
+            values,
+        })
+    }
+
+    pub fn directions(&self) -> Directions {
+        self.directions
+    }
+
+    pub fn is_isotropic(&self) -> bool {
+        self.isotropic
+    }
+
+    pub(super) fn is_mirrored(&self) -> bool {
+        self.mirrored
+    }
+
+    /// Every reading, ascending by its angles in radians.
+    pub fn readings(&self) -> Vec<(Vec<f64>, &[f64])> {
+        let mut readings = Vec::new();
+        self.tree.collect(&mut Vec::new(), &mut |angles, reading| {
+            readings.push((
+                angles.to_vec(),
+                &self.values[reading * self.channels..(reading + 1) * self.channels],
+            ));
+        });
+        readings
+    }
+
+    pub(super) fn incidences_rad(&self) -> Vec<f64> {
+        self.tree.axis.nodes_rad().to_vec()
+    }
+
+    pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+        let ((theta_i, phi_i), (theta_o, phi_o)) = (angles_of(omega_in), angles_of(omega_out));
+        match self.directions {
+            Directions::Plane => {
+                // Light from the normal counts as coming from the side of -x.
+                let (x, y) = if theta_i < 1e-9 {
+                    (-1.0, 0.0)
+                } else {
+                    (phi_i.cos(), phi_i.sin())
+                };
+                if (x * omega_out.y - y * omega_out.x).abs() > 1e-9 {
+                    return None;
+                }
+                let towards_light = x * omega_out.x + y * omega_out.y;
+                let sign = if towards_light > 0.0 { -1.0 } else { 1.0 };
+                self.blend(&[theta_i, sign * theta_o])
+            }
+            Directions::Sphere if self.isotropic => {
+                // Azimuths are kept as they were read, with the light's.
+                let first = self.tree.below[0].first();
+                let at = |phi: f64| self.blend(&[theta_i, phi_i, theta_o, (first + phi).rem_euclid(TAU)]);
+                let mirrored = || self.mirrored.then(|| at(phi_i - phi_o)).flatten();
+                at(phi_o - phi_i).or_else(mirrored)
+            }
+            Directions::Sphere => self.blend(&[theta_i, phi_i, theta_o, phi_o]),
+        }
+    }
+
+    fn blend(&self, angles: &[f64]) -> Option<(Vec<f64>, Placement)> {
+        let mut sum = Blend {
+            values: vec![0.0; self.channels],
+            on_node: true,
+        };
+        self.tree.eval(angles, self, 1.0, &mut sum)?;
+        let placement = if sum.on_node {
+            Placement::OnNode
+        } else {
+            Placement::Interpolated
+        };
+        Some((sum.values, placement))
+    }
+}
+
+impl Node {
+    fn first(&self) -> f64 {
+        match self {
+            Self::Branch(branch) => branch.axis.nodes_rad()[0],
+            Self::Reading(_) => 0.0,
+        }
+    }
+}
+
+struct Blend {
+    values: Vec<f64>,
+    on_node: bool,
+}
+
+impl Branch {
+    /// Of the readings `order`, sorted, that agree in the angles before `level`.
+    fn new(angles: &[Vec<f64>], order: &[usize], level: usize, sphere: bool) -> Self {
+        let mut nodes_rad = Vec::new();
+        let mut below = Vec::new();
+        for group in order.chunk_by(|&a, &b| angles[a][level] == angles[b][level]) {
+            nodes_rad.push(angles[group[0]][level]);
+            below.push(if level + 1 == angles[group[0]].len() {
+                Node::Reading(group[0])
+            } else {
+                Node::Branch(Self::new(angles, group, level + 1, sphere))
+            });
+        }
+        let at_pole = level > 0 && angles[order[0]][level - 1] == 0.0;
+        let axis = match level {
+            // A single outgoing azimuth is one direction, not all; but at the pole, and for the light's, it is all.
+            3 if sphere && nodes_rad.len() == 1 && !at_pole => Axis::bounded(nodes_rad),
+            1 | 3 if sphere => Axis::azimuth(nodes_rad, TAU),
+            _ => Axis::bounded(nodes_rad),
+        };
+        Self { axis, below }
+    }
+
+    fn eval(&self, angles: &[f64], of: &Scattered, weight: f64, sum: &mut Blend) -> Option<()> {
+        let between = self.axis.locate(angles[0])?;
+        sum.on_node &= between.on_node;
+        for (node, share) in [(between.below, 1.0 - between.t), (between.above, between.t)] {
+            if share == 0.0 {
+                continue;
+            }
+            match &self.below[node] {
+                Node::Branch(branch) => branch.eval(&angles[1..], of, weight * share, sum)?,
+                Node::Reading(reading) => {
+                    let row = &of.values[reading * of.channels..(reading + 1) * of.channels];
+                    sum.values
+                        .iter_mut()
+                        .zip(row)
+                        .for_each(|(s, v)| *s += weight * share * v);
+                }
+            }
+        }
+        Some(())
+    }
+
+    fn collect(&self, path: &mut Vec<f64>, each: &mut impl FnMut(&[f64], usize)) {
+        for (angle, node) in self.axis.nodes_rad().iter().zip(&self.below) {
+            path.push(*angle);
+            match node {
+                Node::Branch(branch) => branch.collect(path, each),
+                Node::Reading(reading) => each(path, *reading),
+            }
+            path.pop();
+        }
+    }
+}

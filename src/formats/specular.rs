@@ -1,0 +1,56 @@
+use super::axis::Axis;
+
+/// Specularly reflected or regularly transmitted fractions of the flux by incident polar angle; of anisotropic samples
+/// also by azimuth. Linear between nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpecularTable {
+    incidence: Axis,
+    azimuth: Axis,
+    channels: usize,
+    /// Azimuth slowest, channel fastest.
+    values: Vec<f64>,
+}
+
+impl SpecularTable {
+    pub(super) fn new(incidence: Axis, azimuth: Axis, channels: usize, values: Vec<f64>) -> Self {
+        debug_assert_eq!(
+            values.len(),
+            incidence.nodes_rad().len() * azimuth.nodes_rad().len() * channels
+        );
+        Self {
+            incidence,
+            azimuth,
+            channels,
+            values,
+        }
+    }
+
+    pub fn incidence(&self) -> &Axis {
+        &self.incidence
+    }
+
+    pub fn azimuth(&self) -> &Axis {
+        &self.azimuth
+    }
+
+    /// Fractions of a node, one a channel.
+    pub fn at(&self, incidence: usize, azimuth: usize) -> &[f64] {
+        let node = azimuth * self.incidence.nodes_rad().len() + incidence;
+        &self.values[node * self.channels..(node + 1) * self.channels]
+    }
+
+    /// Fractions at a direction of incidence; `None` outside what was measured.
+    pub fn fraction(&self, theta_i_rad: f64, phi_i_rad: f64) -> Option<Vec<f64>> {
+        let theta = self.incidence.locate(theta_i_rad)?;
+        let phi = self.azimuth.locate(phi_i_rad)?;
+        let mut values = vec![0.0; self.channels];
+        for (azimuth, weight_phi) in [(phi.below, 1.0 - phi.t), (phi.above, phi.t)] {
+            for (incidence, weight_theta) in [(theta.below, 1.0 - theta.t), (theta.above, theta.t)] {
+                for (sum, value) in values.iter_mut().zip(self.at(incidence, azimuth)) {
+                    *sum += weight_phi * weight_theta * value;
+                }
+            }
+        }
+        Some(values)
+    }
+}

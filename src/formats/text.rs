@@ -1,0 +1,213 @@
+//! Words and numbers of text files, with their places.
+
+use std::ops::RangeInclusive;
+
+use super::error::{FormatError, Place};
+
+/// A text file and what to call it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Text<'a> {
+    pub(crate) path: &'a str,
+    pub(crate) text: &'a str,
+}
+
+impl<'a> Text<'a> {
+    /// UTF-8 without zero bytes; a byte order mark is passed over.
+    pub(crate) fn new(path: &'a str, bytes: &'a [u8]) -> Result<Self, FormatError> {
+        let valid = match std::str::from_utf8(bytes) {
+            Ok(text) => text.find('\0').map_or(Ok(text), Err),
+            Err(e) => Err(e.valid_up_to()),
+        };
+        match valid {
+            Ok(text) => Ok(Self {
+                path,
+                text: text.strip_prefix('\u{feff}').unwrap_or(text),
+            }),
+            Err(at) => Err(FormatError::byte(
+                path,
+                at,
+                "text in UTF-8",
+                format!("byte 0x{:02x}", bytes[at]),
+            )),
+        }
+    }
+
+    /// An error at a byte of the text.
+    pub(crate) fn error(&self, at: usize, expected: impl Into<String>, found: impl Into<String>) -> FormatError {
+        let before = &self.text[..at.min(self.text.len())];
+        // Lines end with \n, \r\n or \r.
+        let ends = before.as_bytes().iter().enumerate();
+        let lines = ends.filter(|&(i, &b)| b == b'\n' || (b == b'\r' && before.as_bytes().get(i + 1) != Some(&b'\n')));
+        let (line, start) = lines.fold((1, 0), |(line, _), (i, _)| (line + 1, i + 1));
+        let column = before[start..].chars().count() + 1;
+        FormatError::at(self.path, Place::Line { line, column }, expected, found)
+    }
+}
+
+/// What a message quotes of a file: no control characters, no page of text.
+pub(crate) fn quoted(text: &str) -> String {
+    const LONGEST: usize = 40;
+    let mut quoted: String = text.escape_debug().take(LONGEST).collect();
+    if text.escape_debug().nth(LONGEST).is_some() {
+        quoted.push('…');
+    }
+    format!("'{quoted}'")
+}
+
+/// A word and where it begins, in bytes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Token<'a> {
+    pub(crate) word: &'a str,
+    pub(crate) at: usize,
+}
+
+impl Token<'_> {
+    pub(crate) fn is(&self, word: &str) -> bool {
+        self.word.eq_ignore_ascii_case(word)
+    }
+}
+
+/// The words of a text, separated by white space; a word that begins with `comment` ends its line.
+#[derive(Clone, Debug)]
+pub(crate) struct Tokens<'a> {
+    pub(crate) source: Text<'a>,
+    position: usize,
+    comment: &'static str,
+    comments: Vec<&'a str>,
+}
+
+impl<'a> Tokens<'a> {
+    pub(crate) fn new(source: Text<'a>, comment: &'static str) -> Self {
+        Self {
+            source,
+            position: 0,
+            comment,
+            comments: Vec::new(),
+        }
+    }
+
+    /// The first comments passed over so far.
+    pub(crate) fn comments(&self) -> &[&'a str] {
+        &self.comments
+    }
+
+    pub(crate) fn next(&mut self) -> Option<Token<'a>> {
+        const COMMENTS_KEPT: usize = 20;
+        loop {
+            let rest = &self.source.text[self.position..];
+            let blank = rest.len() - rest.trim_start().len();
+            let rest = &rest[blank..];
+            let at = self.position + blank;
+            if rest.starts_with(self.comment) {
+                let end = rest.find(['\n', '\r']).unwrap_or(rest.len());
+                let words = rest[self.comment.len()..end].trim();
+                if self.comments.len() < COMMENTS_KEPT && !words.is_empty() {
+                    self.comments.push(words);
+                }
+                self.position = at + end;
+                continue;
+            }
+            let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
+            self.position = at + end;
+            return (end > 0).then_some(Token { word: &rest[..end], at });
+        }
+    }
+
+    pub(crate) fn peek(&mut self) -> Option<Token<'a>> {
+        let position = self.position;
+        let token = self.next();
+        self.position = position;
+        token
+    }
+
+    pub(crate) fn expect(&mut self, expected: &str) -> Result<Token<'a>, FormatError> {
+        let token = self.next();
+        token.ok_or_else(|| self.ended(expected))
+    }
+
+    /// This very word, in any case.
+    pub(crate) fn keyword(&mut self, word: &str) -> Result<Token<'a>, FormatError> {
+        let token = self.expect(&format!("'{word}'"))?;
+        if token.is(word) {
+            Ok(token)
+        } else {
+            Err(self.unexpected(&token, format!("'{word}'")))
+        }
+    }
+
+    pub(crate) fn ended(&self, expected: &str) -> FormatError {
+        let end = self.source.text.trim_end().len();
+        self.source.error(end, expected, "the end of the file")
+    }
+
+    pub(crate) fn unexpected(&self, token: &Token, expected: impl Into<String>) -> FormatError {
+        self.source.error(token.at, expected, quoted(token.word))
+    }
+
+    /// A finite number in a range; `expected` names it with its unit.
+    pub(crate) fn number(&mut self, expected: &str, range: &RangeInclusive<f64>) -> Result<f64, FormatError> {
+        let token = self.expect(expected)?;
+        finite(token.word, range).ok_or_else(|| self.unexpected(&token, expected))
+    }
+
+    /// A count of things that each take at least one character and a separator of what follows.
+    pub(crate) fn count(&mut self, what: &str) -> Result<usize, FormatError> {
+        let expected = format!("the number of {what}, a whole number, 1 or more");
+        let token = self.expect(&expected)?;
+        let count = token.word.parse::<usize>().ok().filter(|&n| n > 0);
+        let count = count.ok_or_else(|| self.unexpected(&token, expected))?;
+        self.room_for(count, what, token.at)?;
+        Ok(count)
+    }
+
+    /// Refuses a promise of more numbers than the rest of the text can hold.
+    pub(crate) fn room_for(&self, count: usize, what: &str, at: usize) -> Result<(), FormatError> {
+        let most = (self.source.text.len() - self.position).div_ceil(2);
+        if count <= most {
+            return Ok(());
+        }
+        let found = format!("room for {most} at most in the rest of the file");
+        Err(self.source.error(at, format!("{count} {what}"), found))
+    }
+
+    /// So many strictly ascending angles within a range in degrees.
+    pub(crate) fn angles_deg(
+        &mut self,
+        count: usize,
+        what: &str,
+        range: RangeInclusive<f64>,
+    ) -> Result<Vec<f64>, FormatError> {
+        let (low, high) = (range.start(), range.end());
+        let expected = format!("{count} {what} in degrees, ascending, {low}..{high}");
+        let mut angles: Vec<f64> = Vec::with_capacity(count);
+        for _ in 0..count {
+            let token = self.expect(&expected)?;
+            let angle = finite(token.word, &range).filter(|a| angles.last().is_none_or(|last| a > last));
+            angles.push(angle.ok_or_else(|| self.unexpected(&token, expected.as_str()))?);
+        }
+        Ok(angles)
+    }
+
+    /// So many finite numbers in a range, appended.
+    pub(crate) fn numbers(
+        &mut self,
+        count: usize,
+        expected: &str,
+        range: &RangeInclusive<f64>,
+        into: &mut Vec<f64>,
+    ) -> Result<(), FormatError> {
+        self.room_for(count, expected, self.position)?;
+        into.reserve(count);
+        for _ in 0..count {
+            into.push(self.number(expected, range)?);
+        }
+        Ok(())
+    }
+}
+
+/// Values that no physical scattering is below or above.
+pub(crate) const NOT_NEGATIVE: RangeInclusive<f64> = 0.0..=1e30;
+
+pub(crate) fn finite(word: &str, range: &RangeInclusive<f64>) -> Option<f64> {
+    word.parse::<f64>().ok().filter(|v| v.is_finite() && range.contains(v))
+}

@@ -1,0 +1,70 @@
+//! UTIA: 64-bit values of red, green, blue over incident and outgoing direction, every 15° in polar angle up to 75° and every
+//! 7.5° in azimuth, without any header. The scale is not stated and differs between readers.
+
+use std::f64::consts::TAU;
+
+use super::axis::Axis;
+use super::detect::Format;
+use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
+use super::grid::{Fold, Grid, Parameters};
+use super::{FormatError, ReadOptions};
+
+const POLAR: usize = 6;
+const AZIMUTHS: usize = 48;
+const COUNT: usize = 3 * POLAR * AZIMUTHS * POLAR * AZIMUTHS;
+
+/// Bytes of every file.
+pub(super) const SIZE: u64 = 8 * COUNT as u64;
+
+pub(super) fn read(path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Goniometric, FormatError> {
+    if bytes.len() as u64 != SIZE {
+        return Err(FormatError::file(
+            path,
+            format!("{SIZE} bytes"),
+            format!("{} bytes", bytes.len()),
+        ));
+    }
+    let mut negative = 0;
+    let mut values = Vec::with_capacity(COUNT);
+    for (index, bytes) in bytes.chunks_exact(8).enumerate() {
+        let mut word = [0; 8];
+        word.copy_from_slice(bytes);
+        let stored = f64::from_le_bytes(word);
+        if !stored.is_finite() || stored.abs() > 1e30 {
+            return Err(FormatError::byte(path, 8 * index, "a finite value", stored.to_string()));
+        }
+        negative += usize::from(stored < 0.0);
+        values.push(stored * options.scale.unwrap_or(1.0));
+    }
+    let polar = || Axis::bounded((0..POLAR).map(|i| (15.0 * i as f64).to_radians()).collect());
+    let azimuth = || Axis::azimuth((0..AZIMUTHS).map(|i| (7.5 * i as f64).to_radians()).collect(), TAU);
+    let axes = [polar(), azimuth(), polar(), azimuth()];
+    let grid = Grid::new(Parameters::Spherical, axes, Fold::None, 3, [4, 0, 1, 2, 3], values);
+    let mut warnings = Vec::new();
+    if negative > 0 {
+        warnings.push(format!(
+            "{negative} values are negative, as files of this format have them; they are kept"
+        ));
+    }
+    if options.scale.is_none() {
+        warnings.push(
+            "the scale of the values is not stated; give the factor to 1/sr (--scale) to use them as a BRDF".into(),
+        );
+    }
+    Ok(Goniometric {
+        format: Format::Utia,
+        provenance: Provenance::default(),
+        components: vec![Component {
+            scatter: Scatter::Reflection,
+            side: Side::Front,
+            quantity: if options.scale.is_some() {
+                Quantity::Bsdf
+            } else {
+                Quantity::Unscaled
+            },
+            channels: Channels::Rgb,
+            table: Table::Grid(grid),
+        }],
+        warnings,
+    })
+}

@@ -1,0 +1,172 @@
+use std::f64::consts::PI;
+use std::fmt::Write;
+
+use super::super::goniometric::{direction, rounded_deg};
+use super::super::{
+    Channels, Component, Directions, Format, Grid, Parameters, Provenance, Quantity, Scatter, Side, Table,
+};
+use super::WriteError;
+use super::sampling::{Sampler, every};
+
+/// A reading: its angles in radians, θ_in, φ_in, θ_out, φ_out or θ_in, θ_v; and f in 1/sr, or β in a CSV, one a channel.
+type Reading = (Vec<f64>, Vec<f64>);
+
+/// Lines of angles and values, as this program's CSV (β over degrees) or in the style of ASTM E1392 (f over radians).
+pub(super) fn write(
+    component: &Component,
+    format: Format,
+    provenance: &Provenance,
+    notices: &mut Vec<String>,
+) -> Result<Vec<u8>, WriteError> {
+    if component.side == Side::Back {
+        notices.push(format!("{format} does not state that the light comes from the back"));
+    }
+    let readings = readings(component, format, notices)?;
+    let plane = readings.first().is_some_and(|(angles, _)| angles.len() == 2);
+    if format == Format::Astm {
+        if component.scatter == Scatter::Transmission {
+            notices.push("astm does not state that the values are of transmission".into());
+        }
+        return Ok(astm(component, &readings, plane, provenance));
+    }
+    Ok(csv(component, &readings, plane, provenance))
+}
+
+fn astm(component: &Component, readings: &[Reading], plane: bool, provenance: &Provenance) -> Vec<u8> {
+    let mut text = String::new();
+    for (name, value) in &provenance.statements {
+        let key = !name.is_empty() && name.chars().all(|c| c.is_ascii_uppercase() || c == '_') && name != "VARS";
+        if key && name != "NUM_POINTS" {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{name} {}", value.replace(['\n', '\r'], " "));
+        }
+    }
+    let names = match &component.channels {
+        Channels::Monochrome => vec!["BSDF".to_owned()],
+        channels => channels.names(),
+    };
+    let _ = writeln!(
+        text,
+        "NUM_POINTS {}\nVARS theta_i,phi_i,theta_s,phi_s,{}",
+        readings.len(),
+        names.join(",")
+    );
+    for (angles, values) in readings {
+        let sphere = match angles[..] {
+            [theta_i, theta_v] if plane => [theta_i, 0.0, theta_v.abs(), if theta_v < 0.0 { 0.0 } else { PI }].to_vec(),
+            _ => angles.clone(),
+        };
+        let numbers: Vec<String> = sphere.iter().chain(values).map(f64::to_string).collect();
+        let _ = writeln!(text, "{}", numbers.join(","));
+    }
+    text.into_bytes()
+}
+
+fn csv(component: &Component, readings: &[Reading], plane: bool, provenance: &Provenance) -> Vec<u8> {
+    let mut text = String::new();
+    for comment in &provenance.comments {
+        let _ = writeln!(text, "# {comment}");
+    }
+    text += if plane {
+        "theta_i_deg,theta_v_deg,"
+    } else {
+        "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,"
+    };
+    text += match component.channels {
+        Channels::Monochrome => "beta\n",
+        Channels::Rgb => "beta_r,beta_g,beta_b\n",
+        Channels::Xyz => "beta_x,beta_y,beta_z\n",
+        Channels::Wavelengths(_) => "wavelength_nm,beta\n",
+    };
+    for (angles, values) in readings {
+        let mut degrees: Vec<f64> = angles.iter().map(|&a| rounded_deg(a)).collect();
+        if component.scatter == Scatter::Transmission && !plane {
+            degrees[2] = 180.0 - degrees[2];
+        }
+        let degrees: Vec<String> = degrees.iter().map(f64::to_string).collect();
+        let beta = values.iter().map(f64::to_string);
+        if let Channels::Wavelengths(grid) = &component.channels {
+            for (nm, beta) in grid.nm().iter().zip(beta) {
+                let _ = writeln!(text, "{},{nm},{beta}", degrees.join(","));
+            }
+        } else {
+            let _ = writeln!(text, "{},{}", degrees.join(","), beta.collect::<Vec<_>>().join(","));
+        }
+    }
+    text.into_bytes()
+}
+
+/// The source's own readings or nodes where they are directions; else every 5 degrees in polar angle and 15 in azimuth.
+fn readings(component: &Component, format: Format, notices: &mut Vec<String>) -> Result<Vec<Reading>, WriteError> {
+    let quantity = if format == Format::Csv {
+        Quantity::BrightnessFactor
+    } else {
+        Quantity::Bsdf
+    };
+    let of = |value: f64, theta_o: f64| {
+        if component.quantity == quantity {
+            return Some(value);
+        }
+        quantity.of_bsdf(component.quantity.to_bsdf(value, theta_o.cos())?, theta_o.cos())
+    };
+    let converted = |values: Vec<f64>, theta_o: f64| {
+        let values = values.into_iter().map(|v| of(v, theta_o));
+        values.collect::<Option<Vec<f64>>>().ok_or(WriteError::Unscaled)
+    };
+    match &component.table {
+        Table::Scattered(scattered) => {
+            let theta_o = if scattered.directions() == Directions::Plane {
+                1
+            } else {
+                2
+            };
+            let all = scattered.readings().into_iter();
+            all.map(|(angles, values)| Ok((angles.clone(), converted(values.to_vec(), angles[theta_o])?)))
+                .collect()
+        }
+        Table::Grid(grid) if is_spherical(grid) => {
+            let [n0, n1, n2, n3] = grid.shape();
+            let node = |i: usize| [i / (n3 * n2 * n1), i / (n3 * n2) % n1, i / n3 % n2, i % n3];
+            let nodes = (0..n0 * n1 * n2 * n3).map(node);
+            nodes
+                .map(|node| {
+                    let angles: Vec<f64> = (0..4).map(|axis| grid.axes()[axis].nodes_rad()[node[axis]]).collect();
+                    let values = (0..component.channels.count())
+                        .map(|channel| grid.at(node, channel))
+                        .collect();
+                    let values = converted(values, angles[2])?;
+                    Ok((angles, values))
+                })
+                .collect()
+        }
+        _ => {
+            let sampler = Sampler::new(component, format)?;
+            let azimuths = if component.is_isotropic() {
+                vec![0.0]
+            } else {
+                every(15.0, 345.0)
+            };
+            let mut readings = Vec::new();
+            for theta_i in component.incidences_deg() {
+                for &phi_i in &azimuths {
+                    for theta_o in every(5.0, 85.0) {
+                        for phi_o in every(15.0, 345.0) {
+                            let angles = [theta_i, phi_i, theta_o, phi_o].map(f64::to_radians);
+                            let (omega_in, omega_out) =
+                                (direction(angles[0], angles[1]), direction(angles[2], angles[3]));
+                            let f = sampler.bsdf(&omega_in, &omega_out)?;
+                            let scale = if format == Format::Csv { PI } else { 1.0 };
+                            readings.push((angles.to_vec(), f.iter().map(|f| f * scale).collect()));
+                        }
+                    }
+                }
+            }
+            sampler.notice(notices);
+            Ok(readings)
+        }
+    }
+}
+
+fn is_spherical(grid: &Grid) -> bool {
+    *grid.parameters() == Parameters::Spherical && grid.fold() == super::super::Fold::None
+}

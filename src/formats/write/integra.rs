@@ -1,0 +1,235 @@
+use std::f64::consts::PI;
+use std::fmt::Write;
+
+use super::super::grid::{Fold, Grid, Parameters};
+use super::super::integra::degrees;
+use super::super::{Channels, Component, Format, Provenance, Quantity, Table};
+use super::WriteError;
+use super::sampling::{ChannelMap, Sampler, clipped, every};
+use crate::formats::goniometric::direction;
+use crate::geometry::Vec3;
+
+/// A table over the angles of a `.ddr` file, psi slowest, then sigma, phi, theta, channel.
+pub(super) struct SpecularGrid {
+    pub(super) psi_deg: Vec<f64>,
+    pub(super) sigma_deg: Vec<f64>,
+    pub(super) sigmat_deg: Option<Vec<f64>>,
+    pub(super) phi_deg: Vec<f64>,
+    pub(super) theta_deg: Vec<f64>,
+    pub(super) fold: Fold,
+    /// In `quantity`.
+    pub(super) values: Vec<f64>,
+    pub(super) quantity: Quantity,
+}
+
+impl SpecularGrid {
+    /// The source's own nodes where it has such a table, else a table of every 5 degrees in theta and 15 in phi.
+    pub(super) fn of(component: &Component, format: Format, notices: &mut Vec<String>) -> Result<Self, WriteError> {
+        if let Table::Grid(grid) = &component.table
+            && let Parameters::Specular { offsets_rad } = grid.parameters()
+            && matches!(grid.fold(), Fold::None | Fold::Mirror)
+        {
+            return Self::same(component, grid, offsets_rad);
+        }
+        let sampler = Sampler::new(component, format)?;
+        let mut grid = Self {
+            psi_deg: if component.is_isotropic() {
+                vec![0.0]
+            } else {
+                every(15.0, 360.0)
+            },
+            sigma_deg: component.incidences_deg(),
+            sigmat_deg: None,
+            phi_deg: every(15.0, 360.0),
+            theta_deg: every(5.0, 180.0),
+            fold: Fold::None,
+            values: Vec::new(),
+            quantity: Quantity::Bsdf,
+        };
+        for psi in &grid.psi_deg {
+            for sigma in &grid.sigma_deg {
+                let omega_in = direction(sigma.to_radians(), psi.to_radians());
+                for phi in &grid.phi_deg {
+                    for theta in &grid.theta_deg {
+                        let [sigma, psi, theta, phi] = [sigma, psi, theta, phi].map(|a| a.to_radians());
+                        let l = direction(theta, phi);
+                        let x = sigma.cos() * l.x - sigma.sin() * l.z;
+                        let z = sigma.sin() * l.x + sigma.cos() * l.z;
+                        let omega_out = Vec3::new(psi.cos() * x - psi.sin() * l.y, psi.sin() * x + psi.cos() * l.y, z);
+                        grid.values.extend(sampler.bsdf(&omega_in, &omega_out)?);
+                    }
+                }
+            }
+        }
+        sampler.notice(notices);
+        Ok(grid)
+    }
+
+    fn same(component: &Component, grid: &Grid, offsets_rad: &[f64]) -> Result<Self, WriteError> {
+        let [sigma, psi, theta, phi] = grid.axes();
+        let [n0, n1, n2, n3] = grid.shape();
+        if component.quantity == Quantity::Unscaled {
+            return Err(WriteError::Unscaled);
+        }
+        let mut values = Vec::new();
+        for (i1, i0, i3, i2) in indices([n1, n0, n3, n2]) {
+            values.extend((0..component.channels.count()).map(|channel| grid.at([i0, i1, i2, i3], channel)));
+        }
+        let sigma_deg = degrees(sigma);
+        let sigmat = offsets_rad
+            .iter()
+            .zip(&sigma_deg)
+            .map(|(offset, s)| ((offset.to_degrees() + s) * 1e9).round() / 1e9);
+        Ok(Self {
+            psi_deg: if grid.is_isotropic() { vec![0.0] } else { degrees(psi) },
+            sigmat_deg: offsets_rad
+                .iter()
+                .any(|&offset| offset != 0.0)
+                .then(|| sigmat.collect()),
+            sigma_deg,
+            phi_deg: degrees(phi),
+            theta_deg: degrees(theta),
+            fold: grid.fold(),
+            values,
+            quantity: component.quantity,
+        })
+    }
+}
+
+/// All combinations, the last fastest.
+fn indices(n: [usize; 4]) -> impl Iterator<Item = (usize, usize, usize, usize)> {
+    let [n0, n1, n2, n3] = n;
+    (0..n0).flat_map(move |a| (0..n1).flat_map(move |b| (0..n2).flat_map(move |c| (0..n3).map(move |d| (a, b, c, d)))))
+}
+
+pub(super) fn line(numbers: &[f64]) -> String {
+    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
+}
+
+fn source(provenance: &Provenance) -> &str {
+    let known = ["Measured", "Generated", "Edited", "Morphed"];
+    let stated = provenance.source.as_deref().unwrap_or_default();
+    known
+        .into_iter()
+        .find(|word| word.eq_ignore_ascii_case(stated))
+        .unwrap_or("Generated")
+}
+
+fn colour_model(channels: &Channels) -> String {
+    match channels {
+        Channels::Monochrome => "BW".into(),
+        Channels::Rgb | Channels::Xyz => "RGB".into(),
+        Channels::Wavelengths(grid) => format!("spectral {}", grid.len()),
+    }
+}
+
+/// First lines of the blocks, one a channel.
+fn block_names(channels: &Channels) -> Vec<String> {
+    match channels {
+        Channels::Monochrome => vec!["bw".into()],
+        Channels::Rgb | Channels::Xyz => ["red", "gre", "blu"].map(String::from).to_vec(),
+        Channels::Wavelengths(grid) => grid.nm().iter().map(|nm| format!("wl {nm}")).collect(),
+    }
+}
+
+/// XYZ becomes RGB; all else stays.
+fn mapped(values: Vec<f64>, channels: &Channels, notices: &mut Vec<String>) -> Result<Vec<f64>, WriteError> {
+    if *channels != Channels::Xyz {
+        return Ok(values);
+    }
+    let map = ChannelMap::to_rgb(channels, notices)?;
+    let mut mapped: Vec<f64> = values.chunks_exact(3).flat_map(|v| map.apply(v)).collect();
+    clipped(&mut mapped, notices);
+    Ok(mapped)
+}
+
+pub(super) fn diffuse(
+    component: &Component,
+    provenance: &Provenance,
+    notices: &mut Vec<String>,
+) -> Result<Vec<u8>, WriteError> {
+    let grid = SpecularGrid::of(component, Format::Ddr, notices)?;
+    let scale = if grid.quantity == Quantity::Bsdf { PI } else { 1.0 };
+    let values = mapped(grid.values, &component.channels, notices)?;
+    let data = if grid.quantity == Quantity::BsdfCosine {
+        "Intensity"
+    } else {
+        "Luminance"
+    };
+    let symmetry = match (grid.fold, grid.psi_deg.len(), grid.phi_deg.len()) {
+        (_, 1, 1) => "AxiSymmetrical",
+        (Fold::Mirror, ..) => "PlaneSymmetrical",
+        (_, 1, _) => "ASymmetrical",
+        _ => "ASymmetrical 4D",
+    };
+    let mut text = format!(
+        ";; specval {}\nSource {}\nTypeSym {symmetry}\nTypeColorModel {}\nTypeData {data} Absolute\n",
+        env!("CARGO_PKG_VERSION"),
+        source(provenance),
+        colour_model(&component.channels)
+    );
+    // Writing to a string cannot fail.
+    if grid.psi_deg.len() > 1 {
+        let _ = writeln!(text, "psi {}\n {}", grid.psi_deg.len(), line(&grid.psi_deg));
+    }
+    let _ = writeln!(text, "sigma {}\n {}", grid.sigma_deg.len(), line(&grid.sigma_deg));
+    if let Some(sigmat) = &grid.sigmat_deg {
+        let _ = writeln!(text, "sigmat\n {}", line(sigmat));
+    }
+    let _ = writeln!(text, "phi {}\n {}", grid.phi_deg.len(), line(&grid.phi_deg));
+    let _ = writeln!(text, "theta {}\n {}", grid.theta_deg.len(), line(&grid.theta_deg));
+    let channels = component.channels.count();
+    let row = grid.theta_deg.len() * channels;
+    let factors = vec![1.0; grid.psi_deg.len() * grid.sigma_deg.len()];
+    for (channel, name) in block_names(&component.channels).iter().enumerate() {
+        let _ = writeln!(text, "{name}\n kbdf\n {}\n def", line(&factors));
+        for (index, rows) in values.chunks_exact(row * grid.phi_deg.len()).enumerate() {
+            let (psi, sigma) = (index / grid.sigma_deg.len(), index % grid.sigma_deg.len());
+            let _ = writeln!(
+                text,
+                ";; Psi = {}\n;; Sigma = {}",
+                grid.psi_deg[psi], grid.sigma_deg[sigma]
+            );
+            for row in rows.chunks_exact(row) {
+                let row: Vec<f64> = row.iter().skip(channel).step_by(channels).map(|v| v * scale).collect();
+                let _ = writeln!(text, " {}", line(&row));
+            }
+        }
+        text += " enddef\n";
+    }
+    Ok(text.into_bytes())
+}
+
+pub(super) fn specular(
+    component: &Component,
+    provenance: &Provenance,
+    notices: &mut Vec<String>,
+) -> Result<Vec<u8>, WriteError> {
+    let Table::Specular(table) = &component.table else {
+        return Err(WriteError::CannotHold {
+            format: Format::Sdr,
+            holds: "specular fractions",
+            found: "scattering over directions".into(),
+        });
+    };
+    if !table.azimuth().is_single() {
+        notices.push("fractions are those of the first incident azimuth".into());
+    }
+    let sigma = degrees(table.incidence());
+    let nodes = (0..sigma.len()).flat_map(|node| table.at(node, 0).to_vec());
+    let values = mapped(nodes.collect(), &component.channels, notices)?;
+    let mut text = format!(
+        ";; specval {}\nSource {}\nTypeColorModel {}\nsigma {}\n {}\n",
+        env!("CARGO_PKG_VERSION"),
+        source(provenance),
+        colour_model(&component.channels),
+        sigma.len(),
+        line(&sigma)
+    );
+    let channels = component.channels.count();
+    for (channel, name) in block_names(&component.channels).iter().enumerate() {
+        let row: Vec<f64> = values.iter().skip(channel).step_by(channels).copied().collect();
+        let _ = writeln!(text, "{name}\n def\n {}\n enddef", line(&row));
+    }
+    Ok(text.into_bytes())
+}

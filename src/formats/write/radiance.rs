@@ -1,0 +1,157 @@
+use std::fmt::Write;
+
+use super::super::klems::{KlemsBasis, KlemsMatrix};
+use super::super::{Channels, Component, Format, Goniometric, Scatter, Side, Table};
+use super::WriteError;
+use super::sampling::{ChannelMap, Sampler, clipped};
+use crate::geometry::Vec3;
+
+/// Points along either side of a patch that its mean is taken over, exiting and incident.
+const EXITING: usize = 3;
+const INCIDENT: usize = 2;
+
+/// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z.
+pub(super) fn write(data: &Goniometric, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+    let mut matrices: Vec<(&Component, KlemsMatrix)> = Vec::new();
+    for component in &data.components {
+        match &component.table {
+            Table::Specular(_) => {
+                notices.push("specular fractions are left out: the format has no place for them".into())
+            }
+            Table::Klems(matrix) => matrices.push((component, matrix.clone())),
+            _ => matrices.push((component, averaged(component, notices)?)),
+        }
+    }
+    let Some((_, first)) = matrices.first() else {
+        return Ok(Vec::new());
+    };
+    let bases = [first.incident().clone(), first.exiting().clone()];
+    let mut text = String::from(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<WindowElement>\n<WindowElementType>System</WindowElementType>\n\
+         <FileType>BSDF</FileType>\n<Optical>\n<Layer>\n",
+    );
+    // Writing to a string cannot fail. Radiance needs a width and a height other than 0.
+    let _ = writeln!(
+        text,
+        "<Material><Name>{}</Name><Manufacturer>specval {}</Manufacturer><Thickness unit=\"Meter\">0.001</Thickness>\
+         <Width unit=\"Meter\">1</Width><Height unit=\"Meter\">1</Height><DeviceType>Other</DeviceType></Material>",
+        escaped(&name(data)),
+        env!("CARGO_PKG_VERSION")
+    );
+    text += "<DataDefinition>\n<IncidentDataStructure>Columns</IncidentDataStructure>\n";
+    let defined = if bases[0] == bases[1] { &bases[..1] } else { &bases[..] };
+    defined.iter().for_each(|basis| define(&mut text, basis));
+    text += "</DataDefinition>\n";
+    let xyz = matrices.iter().all(|(_, matrix)| matrix.channels() == 3);
+    let wavelengths: &[(&str, usize)] = if xyz {
+        &[("CIE-X", 0), ("Visible", 1), ("CIE-Z", 2)]
+    } else {
+        &[("Visible", 1)]
+    };
+    for &(wavelength, channel) in wavelengths {
+        for (component, matrix) in &matrices {
+            let channel = if matrix.channels() == 1 { 0 } else { channel };
+            block(&mut text, component, matrix, wavelength, channel);
+        }
+    }
+    text += "</Layer>\n</Optical>\n</WindowElement>\n";
+    Ok(text.into_bytes())
+}
+
+fn name(data: &Goniometric) -> String {
+    let stated = data
+        .provenance
+        .statements
+        .iter()
+        .find(|(name, _)| name.eq_ignore_ascii_case("name"));
+    stated.map_or_else(|| "sample".to_owned(), |(_, name)| name.clone())
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+fn define(text: &mut String, basis: &KlemsBasis) {
+    let _ = writeln!(
+        text,
+        "<AngleBasis>\n<AngleBasisName>{}</AngleBasisName>",
+        escaped(&basis.name)
+    );
+    for (ring, ([low, high], patches)) in basis.rings().enumerate() {
+        let centre = if ring == 0 { 0.0 } else { (low + high) / 2.0 };
+        let _ = writeln!(
+            text,
+            "<AngleBasisBlock><Theta>{centre}</Theta><nPhis>{patches}</nPhis><ThetaBounds><LowerTheta>{low}</LowerTheta>\
+             <UpperTheta>{high}</UpperTheta></ThetaBounds></AngleBasisBlock>"
+        );
+    }
+    *text += "</AngleBasis>\n";
+}
+
+fn block(text: &mut String, component: &Component, matrix: &KlemsMatrix, wavelength: &str, channel: usize) {
+    let (kind, data) = match component.scatter {
+        Scatter::Reflection => ("Reflection", "BRDF"),
+        Scatter::Transmission => ("Transmission", "BTDF"),
+    };
+    // The file's front is the side of −z.
+    let side = if component.side == Side::Front { "Back" } else { "Front" };
+    let _ = writeln!(
+        text,
+        "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength unit=\"Integral\">{wavelength}</Wavelength>\n\
+         <SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n<DetectorSpectrum>ASTM E308 1931 Y.dsp</DetectorSpectrum>\n\
+         <WavelengthDataBlock>\n<WavelengthDataDirection>{kind} {side}</WavelengthDataDirection>\n\
+         <ColumnAngleBasis>{}</ColumnAngleBasis>\n<RowAngleBasis>{}</RowAngleBasis>\n\
+         <ScatteringDataType>{data}</ScatteringDataType>\n<ScatteringData>",
+        escaped(&matrix.incident().name),
+        escaped(&matrix.exiting().name)
+    );
+    for exiting in 0..matrix.exiting().count() {
+        for incident in 0..matrix.incident().count() {
+            let _ = write!(text, "{},", matrix.at(channel, incident, exiting));
+        }
+        *text += "\n";
+    }
+    *text += "</ScatteringData>\n</WavelengthDataBlock>\n</WavelengthData>\n";
+}
+
+/// Means of f over pairs of patches, even in projected solid angle.
+fn averaged(component: &Component, notices: &mut Vec<String>) -> Result<KlemsMatrix, WriteError> {
+    let basis = KlemsBasis::named("LBNL/Klems Full").ok_or(WriteError::NotWritten {
+        format: Format::RadianceXml,
+    })?;
+    let sampler = Sampler::new(component, Format::RadianceXml)?;
+    let map = ChannelMap::to_xyz(&component.channels, notices)?;
+    let channels = if component.channels == Channels::Monochrome {
+        1
+    } else {
+        3
+    };
+    let count = basis.count();
+    let inside = |patch: usize, n: usize| -> Vec<Vec3> {
+        let share = |k: usize| (k as f64 + 0.5) / n as f64;
+        (0..n * n)
+            .map(|k| basis.direction(patch, share(k / n), share(k % n)))
+            .collect()
+    };
+    let exiting: Vec<Vec<Vec3>> = (0..count).map(|patch| inside(patch, EXITING)).collect();
+    let mut values = vec![0.0; channels * count * count];
+    for incident in 0..count {
+        let lights = inside(incident, INCIDENT);
+        for (out, directions) in exiting.iter().enumerate() {
+            let weight = 1.0 / (lights.len() * directions.len()) as f64;
+            for light in &lights {
+                let omega_in = Vec3::new(-light.x, -light.y, light.z);
+                for omega_out in directions {
+                    let f = map.apply(&sampler.bsdf(&omega_in, omega_out)?);
+                    for (channel, f) in f.iter().enumerate() {
+                        values[(channel * count + out) * count + incident] += weight * f;
+                    }
+                }
+            }
+        }
+    }
+    clipped(&mut values, notices);
+    notices.push("values are means over the patches of Klems' full basis".into());
+    sampler.notice(notices);
+    Ok(KlemsMatrix::new(basis.clone(), basis, values))
+}

@@ -1,0 +1,211 @@
+use std::f64::consts::FRAC_PI_2;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::super::goniometric::{angles_of, direction};
+use super::super::{Channels, Component, Format, Parameters, Quantity, Scatter, Side, Table};
+use super::WriteError;
+use crate::colour::{ColourSystem, Convention, Xyz};
+use crate::geometry::Vec3;
+use crate::spectrum::WavelengthGrid;
+
+/// f of a component at any pair of directions a format asks for. Beyond what was measured it keeps the value of the
+/// nearest incidence and of the nearest polar angle towards the normal, and counts how often.
+pub(super) struct Sampler<'a> {
+    component: &'a Component,
+    format: Format,
+    /// First and last incident polar angle of the component.
+    incidences_rad: [f64; 2],
+    asked: AtomicUsize,
+    filled: AtomicUsize,
+}
+
+/// Nearest to the horizon that a value is looked up, so that one that holds a cosine can be divided by it.
+const HORIZON_RAD: f64 = FRAC_PI_2 - 1e-4;
+
+impl<'a> Sampler<'a> {
+    pub(super) fn new(component: &'a Component, format: Format) -> Result<Self, WriteError> {
+        match component.quantity {
+            Quantity::Unscaled => return Err(WriteError::Unscaled),
+            Quantity::Fraction => {
+                return Err(WriteError::CannotHold {
+                    format,
+                    holds: "scattering over directions",
+                    found: "specular fractions".into(),
+                });
+            }
+            Quantity::Bsdf | Quantity::BsdfCosine | Quantity::BrightnessFactor => {}
+        }
+        let nodes = match &component.table {
+            Table::Klems(_) | Table::Tree(_) => None,
+            Table::Grid(grid) if *grid.parameters() == Parameters::HalfDifference => None,
+            _ => Some(component.incidences_deg()),
+        };
+        let ends = nodes
+            .as_deref()
+            .and_then(|nodes| Some([*nodes.first()?, *nodes.last()?]));
+        Ok(Self {
+            component,
+            format,
+            incidences_rad: ends.unwrap_or([0.0, 90.0]).map(f64::to_radians),
+            asked: AtomicUsize::new(0),
+            filled: AtomicUsize::new(0),
+        })
+    }
+
+    /// Directions as they are above the surface, light on its front; of transmission the outgoing one mirrored up.
+    pub(super) fn bsdf(&self, omega_in: &Vec3, omega_out: &Vec3) -> Result<Vec<f64>, WriteError> {
+        self.asked.fetch_add(1, Relaxed);
+        let ((theta_i, phi_i), (theta_o, phi_o)) = (angles_of(omega_in), angles_of(omega_out));
+        if theta_o <= HORIZON_RAD
+            && let Some(values) = self.at(omega_in, omega_out)
+        {
+            return Ok(values);
+        }
+        // Below the horizon there is nothing to measure; tables only need something smooth there.
+        self.filled.fetch_add(usize::from(theta_o <= FRAC_PI_2), Relaxed);
+        let [first, last] = self.incidences_rad;
+        let omega_in = direction(theta_i.clamp(first, last), phi_i);
+        let mut polar = theta_o.min(HORIZON_RAD);
+        while polar >= 0.0 {
+            if let Some(values) = self.at(&omega_in, &direction(polar, phi_o)) {
+                return Ok(values);
+            }
+            polar -= 1f64.to_radians();
+        }
+        Err(WriteError::NotMeasured {
+            format: self.format,
+            theta_i_deg: theta_i.to_degrees(),
+            theta_o_deg: theta_o.to_degrees(),
+            phi_o_deg: phi_o.to_degrees(),
+        })
+    }
+
+    fn at(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Vec<f64>> {
+        let front = if self.component.side == Side::Front { 1.0 } else { -1.0 };
+        let beyond = if self.component.scatter == Scatter::Reflection {
+            front
+        } else {
+            -front
+        };
+        let turned = |d: &Vec3, sign: f64| Vec3::new(d.x, d.y, d.z * sign);
+        let found = self
+            .component
+            .eval(&turned(omega_in, front), &turned(omega_out, beyond));
+        found.and_then(|evaluation| evaluation.bsdf())
+    }
+
+    /// What has to be told of the values that were not measured.
+    pub(super) fn notice(&self, notices: &mut Vec<String>) {
+        notices.push("values are interpolated in the source's own parameters".into());
+        let (filled, asked) = (self.filled.load(Relaxed), self.asked.load(Relaxed));
+        if filled > 0 {
+            notices.push(format!(
+                "{filled} of {asked} values lie beyond what the source measured and hold the nearest value towards the normal or of the \
+                 nearest incidence"
+            ));
+        }
+    }
+}
+
+/// From the channels of a source to those a format can hold.
+pub(super) enum ChannelMap {
+    Same,
+    /// The one value as each of the three.
+    Grey,
+    Matrix(Matrix3<f64>),
+    Spectral {
+        system: Box<ColourSystem>,
+        rgb: bool,
+    },
+}
+
+impl ChannelMap {
+    pub(super) fn to_rgb(from: &Channels, notices: &mut Vec<String>) -> Result<Self, WriteError> {
+        let of = "linear sRGB under D65, CIE 1931 2° observer";
+        Ok(match from {
+            Channels::Rgb => Self::Same,
+            Channels::Monochrome => {
+                notices.push("the one channel is written as red, green and blue alike".into());
+                Self::Grey
+            }
+            Channels::Xyz => {
+                notices.push("XYZ is written as linear sRGB".into());
+                Self::Matrix(xyz_to_rgb()?)
+            }
+            Channels::Wavelengths(grid) => {
+                notices.push(format!("spectra are written as {of}"));
+                Self::Spectral {
+                    system: Box::new(ColourSystem::new(grid, Convention::default())?),
+                    rgb: true,
+                }
+            }
+        })
+    }
+
+    pub(super) fn to_xyz(from: &Channels, notices: &mut Vec<String>) -> Result<Self, WriteError> {
+        Ok(match from {
+            Channels::Xyz | Channels::Monochrome => Self::Same,
+            Channels::Rgb => {
+                notices.push("RGB of no stated primaries is taken as linear sRGB".into());
+                let inverse = xyz_to_rgb()?.try_inverse();
+                Self::Matrix(inverse.unwrap_or_else(Matrix3::identity))
+            }
+            Channels::Wavelengths(grid) => {
+                notices.push("spectra are written as XYZ under D65, CIE 1931 2° observer".into());
+                Self::Spectral {
+                    system: Box::new(ColourSystem::new(grid, Convention::default())?),
+                    rgb: false,
+                }
+            }
+        })
+    }
+
+    pub(super) fn apply(&self, values: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Same => values.to_vec(),
+            Self::Grey => vec![values[0]; 3],
+            Self::Matrix(matrix) => (matrix * Vector3::new(values[0], values[1], values[2]))
+                .iter()
+                .copied()
+                .collect(),
+            Self::Spectral { system, rgb } => {
+                let xyz = system.xyz(values);
+                if *rgb {
+                    system.linear_rgb(xyz).0.to_vec()
+                } else {
+                    vec![xyz.x, xyz.y, xyz.z]
+                }
+            }
+        }
+    }
+}
+
+fn xyz_to_rgb() -> Result<Matrix3<f64>, WriteError> {
+    // Without adaptation the matrix is the same for every grid.
+    let system = ColourSystem::new(&WavelengthGrid::preprint(), Convention::default())?;
+    let column = |x, y, z| Vector3::from(system.linear_rgb(Xyz { x, y, z }).0);
+    Ok(Matrix3::from_columns(&[
+        column(1.0, 0.0, 0.0),
+        column(0.0, 1.0, 0.0),
+        column(0.0, 0.0, 1.0),
+    ]))
+}
+
+/// Colours outside the gamut have negative components, which no format takes.
+pub(super) fn clipped(values: &mut [f64], notices: &mut Vec<String>) {
+    let negative = values.iter_mut().filter(|v| **v < 0.0).map(|v| *v = 0.0).count();
+    if negative > 0 {
+        notices.push(format!(
+            "{negative} components of colours outside the RGB space are written as 0"
+        ));
+    }
+}
+
+/// 0 to `last` degrees in equal steps.
+pub(super) fn every(step_deg: f64, last_deg: f64) -> Vec<f64> {
+    (0..=(last_deg / step_deg).round() as u32)
+        .map(|i| f64::from(i) * step_deg)
+        .collect()
+}

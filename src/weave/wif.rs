@@ -1,0 +1,316 @@
+//! WIF 1.1, the weaving information file: threading with tie-up and treadling, or with a lift plan.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::ini::{Ini, Section};
+use super::{Thread, WeaveDraft};
+use crate::formats::{FormatError, quoted};
+
+/// Crossings of warp and weft a draft may have.
+const CROSSINGS: usize = 4_000_000;
+
+/// Numbers by number, such as the shafts of each thread; all counted from 1.
+type Lists = BTreeMap<usize, BTreeSet<usize>>;
+
+pub(super) fn parse(path: &str, bytes: &[u8]) -> Result<WeaveDraft, FormatError> {
+    let ini = Ini::parse(path, bytes)?;
+    let mut warnings = Vec::new();
+    if ini.section("WIF").is_none() {
+        warnings.push("the file has no section [WIF], which the format requires".to_owned());
+    }
+    let threading = required(&ini, "THREADING")?;
+    let lift_plan = ini.section("LIFTPLAN");
+    let treadled = ini.section("TIEUP").zip(ini.section("TREADLING"));
+    let picks = match (&treadled, lift_plan) {
+        (Some((_, treadling)), plan) => {
+            if plan.is_some() {
+                warnings.push("both a lift plan and a tie-up are given: the tie-up is used".into());
+            }
+            treadling
+        }
+        (None, Some(plan)) => plan,
+        (None, None) => {
+            let expected = "sections [TIEUP] and [TREADLING], or [LIFTPLAN]";
+            return Err(FormatError::file(path, expected, "neither"));
+        }
+    };
+    let mut from_zero = |section: &Section, what: &str| -> bool {
+        let zero = section.entries.iter().any(|entry| entry.key == "0");
+        if zero {
+            warnings.push(format!(
+                "{what} are numbered from 0 in [{}], not from 1 as the format has it",
+                section.name
+            ));
+        }
+        zero
+    };
+    let threads_from_zero = from_zero(threading, "warp threads");
+    let picks_from_zero = from_zero(picks, "picks");
+    let treadles_from_zero = treadled.is_some_and(|(tie_up, _)| from_zero(tie_up, "treadles"));
+    let shaft_count = ini.count("WEAVING", "SHAFTS")?;
+    let treadle_count = ini.count("WEAVING", "TREADLES")?;
+    // In a file that counts other things from 0, a shaft 0 is a shaft; else 0 means none.
+    let counts_from_zero = threads_from_zero || picks_from_zero || treadles_from_zero;
+    let shafts = |section| numbers(&ini, section, counts_from_zero, "shaft", shaft_count);
+    let by_warp = renumbered(shafts(threading)?, threads_from_zero);
+    let by_pick = match treadled {
+        Some((tie_up, treadling)) => {
+            let tied = renumbered(shafts(tie_up)?, treadles_from_zero);
+            let treadles = numbers(&ini, treadling, treadles_from_zero, "treadle", treadle_count)?;
+            let lifted =
+                |treadles: BTreeSet<usize>| treadles.iter().filter_map(|t| tied.get(t)).flatten().copied().collect();
+            renumbered(treadles, picks_from_zero)
+                .into_iter()
+                .map(|(pick, t)| (pick, lifted(t)))
+                .collect()
+        }
+        None => renumbered(shafts(picks)?, picks_from_zero),
+    };
+    let warps = thread_count(&ini, "WARP", &by_warp, threading.at)?;
+    let wefts = thread_count(&ini, "WEFT", &by_pick, picks.at)?;
+    if warps.checked_mul(wefts).is_none_or(|crossings| crossings > CROSSINGS) {
+        let found = format!("{warps} warps and {wefts} wefts");
+        return Err(FormatError::file(path, format!("at most {CROSSINGS} crossings"), found));
+    }
+    let rising = rising(&ini, &mut warnings)?;
+    let none = BTreeSet::new();
+    let mut warp_on_top = Vec::with_capacity(warps * wefts);
+    for pick in 1..=wefts {
+        let lifted = by_pick.get(&pick).unwrap_or(&none);
+        for warp in 1..=warps {
+            let up = by_warp
+                .get(&warp)
+                .unwrap_or(&none)
+                .iter()
+                .any(|shaft| lifted.contains(shaft));
+            warp_on_top.push(up == rising);
+        }
+    }
+    let palette = palette(&ini)?;
+    let title = ini.value("TEXT", "TITLE").map(|entry| entry.value.to_owned());
+    Ok(WeaveDraft {
+        title,
+        warp_on_top,
+        warps: threads(&ini, "WARP", warps, threads_from_zero, &palette)?,
+        wefts: threads(&ini, "WEFT", wefts, picks_from_zero, &palette)?,
+        warnings,
+    })
+}
+
+fn required<'i, 'a>(ini: &'i Ini<'a>, name: &str) -> Result<&'i Section<'a>, FormatError> {
+    let section = ini.section(name);
+    section.ok_or_else(|| FormatError::file(ini.text.path, format!("a section [{name}]"), "none"))
+}
+
+/// Lists of numbers by a whole number; 0 and nothing stand for none, unless numbers count from 0.
+fn numbers(
+    ini: &Ini,
+    section: &Section,
+    from_zero: bool,
+    what: &str,
+    most: Option<usize>,
+) -> Result<Lists, FormatError> {
+    let mut lists = Lists::new();
+    for entry in &section.entries {
+        let refuse = |expected: String, found: &str| ini.text.error(entry.at, expected, quoted(found));
+        let key: usize = entry
+            .key
+            .parse()
+            .map_err(|_| refuse("a whole number before '='".into(), &entry.key))?;
+        let mut list = BTreeSet::new();
+        for word in entry.value.split(',').map(str::trim).filter(|word| !word.is_empty()) {
+            let number: usize = word
+                .parse()
+                .map_err(|_| refuse(format!("the number of a {what}"), word))?;
+            let number = number.saturating_add(usize::from(from_zero));
+            if most.is_some_and(|most| number > most) {
+                return Err(refuse(format!("a {what} of at most the number in [WEAVING]"), word));
+            }
+            if number > 0 {
+                list.insert(number);
+            }
+        }
+        if lists.insert(key, list).is_some() {
+            return Err(refuse("each number once".into(), &entry.key));
+        }
+    }
+    Ok(lists)
+}
+
+fn renumbered(lists: Lists, from_zero: bool) -> Lists {
+    let add = usize::from(from_zero);
+    lists
+        .into_iter()
+        .map(|(key, list)| (key.saturating_add(add), list))
+        .filter(|(key, _)| *key > 0)
+        .collect()
+}
+
+/// As stated, or as many as are listed.
+fn thread_count(ini: &Ini, section: &str, listed: &Lists, at: usize) -> Result<usize, FormatError> {
+    let highest = listed.keys().next_back().copied().unwrap_or(0);
+    match ini.count(section, "THREADS")? {
+        Some(stated) if stated < highest => {
+            let found = format!("thread {highest}");
+            Err(ini
+                .text
+                .error(at, format!("the {stated} threads of [{section}] and no more"), found))
+        }
+        Some(stated) if stated > 0 => Ok(stated),
+        _ if highest > 0 => Ok(highest),
+        _ => Err(ini
+            .text
+            .error(at, format!("threads of the {}", section.to_lowercase()), "none")),
+    }
+}
+
+fn rising(ini: &Ini, warnings: &mut Vec<String>) -> Result<bool, FormatError> {
+    let Some(entry) = ini.value("WEAVING", "RISING SHED") else {
+        warnings.push("the file does not say whether the shed rises: taken as rising".into());
+        return Ok(true);
+    };
+    match entry.value.to_ascii_lowercase().as_str() {
+        "true" | "on" | "yes" | "1" => Ok(true),
+        "false" | "off" | "no" | "0" => Ok(false),
+        _ => Err(ini
+            .text
+            .error(entry.at, "Rising Shed true or false", quoted(entry.value))),
+    }
+}
+
+/// Whole numbers between commas.
+fn whole(ini: &Ini, at: usize, list: &str) -> Result<Vec<i64>, FormatError> {
+    let words = list.split(',').map(str::trim);
+    let numbers = words.map(|w| {
+        w.parse()
+            .map_err(|_| ini.text.error(at, "whole numbers between commas", quoted(w)))
+    });
+    numbers.collect()
+}
+
+struct Palette {
+    range: [f64; 2],
+    colours: BTreeMap<i64, [f64; 3]>,
+    is_there: bool,
+}
+
+impl Palette {
+    /// Components beyond the range are brought to its ends, as some writers exceed it.
+    fn scaled(&self, rgb: [i64; 3]) -> [f64; 3] {
+        let [low, high] = self.range;
+        rgb.map(|c| ((c as f64 - low) / (high - low)).clamp(0.0, 1.0))
+    }
+}
+
+fn palette(ini: &Ini) -> Result<Palette, FormatError> {
+    let range = match ini.value("COLOR PALETTE", "RANGE") {
+        None => [0.0, 255.0],
+        Some(entry) => match whole(ini, entry.at, entry.value)?[..] {
+            [low, high] if low < high => [low as f64, high as f64],
+            _ => return Err(ini.text.error(entry.at, "Range=low,high", quoted(entry.value))),
+        },
+    };
+    let table = ini.section("COLOR TABLE");
+    let mut palette = Palette {
+        range,
+        colours: BTreeMap::new(),
+        is_there: table.is_some(),
+    };
+    for entry in table.map(|t| t.entries.as_slice()).unwrap_or_default() {
+        let key = entry.key.parse::<i64>();
+        let key = key.map_err(|_| {
+            ini.text
+                .error(entry.at, "a whole number before '='", quoted(&entry.key))
+        })?;
+        let [r, g, b] = whole(ini, entry.at, entry.value)?[..] else {
+            return Err(ini.text.error(entry.at, "red,green,blue", quoted(entry.value)));
+        };
+        let colour = palette.scaled([r, g, b]);
+        palette.colours.insert(key, colour);
+    }
+    Ok(palette)
+}
+
+fn threads(
+    ini: &Ini,
+    section: &str,
+    count: usize,
+    from_zero: bool,
+    palette: &Palette,
+) -> Result<Vec<Thread>, FormatError> {
+    let unit_mm = match ini.value(section, "UNITS") {
+        None => None,
+        Some(entry) => Some(match entry.value.to_ascii_lowercase().as_str() {
+            "decipoints" => 25.4 / 720.0,
+            "inches" => 25.4,
+            "centimeters" => 10.0,
+            _ => {
+                return Err(ini
+                    .text
+                    .error(entry.at, "Units Decipoints, Inches or Centimeters", quoted(entry.value)));
+            }
+        }),
+    };
+    let length = |key: &str| -> Result<Option<f64>, FormatError> {
+        Ok(ini
+            .number(section, key)?
+            .zip(unit_mm)
+            .map(|(length, unit)| length * unit))
+    };
+    let colour = match ini.value(section, "COLOR") {
+        None => None,
+        Some(entry) => colour_of(ini, entry.at, entry.value, palette)?,
+    };
+    let general = Thread {
+        rgb: colour,
+        spacing_mm: length("SPACING")?,
+        thickness_mm: length("THICKNESS")?,
+    };
+    let mut threads = vec![general; count];
+    let each = |list: &str| {
+        ini.section(&format!("{section} {list}"))
+            .map(|s| s.entries.as_slice())
+            .unwrap_or_default()
+    };
+    let index = |key: &str, at: usize| -> Result<usize, FormatError> {
+        let number: Option<usize> = key.parse().ok();
+        let index = number
+            .and_then(|n| n.checked_sub(usize::from(!from_zero)))
+            .filter(|&i| i < count);
+        index.ok_or_else(|| {
+            ini.text
+                .error(at, format!("the number of one of the {count} threads"), quoted(key))
+        })
+    };
+    for entry in each("COLORS").iter().filter(|e| !e.value.is_empty()) {
+        threads[index(&entry.key, entry.at)?].rgb = colour_of(ini, entry.at, entry.value, palette)?;
+    }
+    for (list, is_spacing) in [("SPACING", true), ("THICKNESS", false)] {
+        for entry in each(list).iter().filter(|e| !e.value.is_empty()) {
+            let number = entry.value.parse::<f64>().ok().filter(|v| (0.0..1e9).contains(v));
+            let number = number.ok_or_else(|| ini.text.error(entry.at, "a length, 0 or more", quoted(entry.value)))?;
+            let thread = &mut threads[index(&entry.key, entry.at)?];
+            let length_mm = unit_mm.map(|unit| unit * number);
+            *(if is_spacing {
+                &mut thread.spacing_mm
+            } else {
+                &mut thread.thickness_mm
+            }) = length_mm;
+        }
+    }
+    Ok(threads)
+}
+
+/// An index of the colour table, perhaps with the colour itself behind it; 0 stands for none.
+fn colour_of(ini: &Ini, at: usize, value: &str, palette: &Palette) -> Result<Option<[f64; 3]>, FormatError> {
+    match whole(ini, at, value)?[..] {
+        [0] if !palette.colours.contains_key(&0) => Ok(None),
+        [index] => match palette.colours.get(&index) {
+            Some(colour) => Ok(Some(*colour)),
+            None if !palette.is_there => Ok(None),
+            None => Err(ini.text.error(at, "a colour of [COLOR TABLE]", quoted(value))),
+        },
+        [_, r, g, b] => Ok(Some(palette.scaled([r, g, b]))),
+        _ => Err(ini.text.error(at, "index, or index,red,green,blue", quoted(value))),
+    }
+}

@@ -1,0 +1,190 @@
+//! Files as the programs they are for read them. Each test is skipped, with a notice, where its program is missing:
+//! `pip install mitsuba==3.9.1 pyradiance`, and `SPECVAL_PYTHON` for a Python other than `python3`.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Command;
+
+use specval::formats::{Format, Goniometric, ReadOptions, Table, direction, parse, read, write};
+use specval::geometry::Vec3;
+
+fn load(name: &str) -> Goniometric {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data/formats")
+        .join(name);
+    read(&path, &ReadOptions::default()).unwrap()
+}
+
+/// What a script prints, a list of numbers a line; `None` where Python or the module is missing.
+fn python(module: &str, script: &str, arguments: &[&str]) -> Option<Vec<Vec<f64>>> {
+    let interpreter = std::env::var("SPECVAL_PYTHON").unwrap_or_else(|_| "python3".into());
+    let there = Command::new(&interpreter)
+        .args(["-c", &format!("import {module}")])
+        .output();
+    if !there.is_ok_and(|output| output.status.success()) {
+        println!("notice: skipped, {interpreter} has no module {module}");
+        return None;
+    }
+    let output = Command::new(&interpreter)
+        .args(["-c", script])
+        .args(arguments)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let numbers = |line: &str| line.split_whitespace().map(|word| word.parse().unwrap()).collect();
+    Some(text.lines().map(numbers).collect())
+}
+
+const MITSUBA: &str = "
+import sys, numpy as np, mitsuba as mi
+mi.set_variant(sys.argv[1])
+bsdf = mi.load_dict({'type': 'measured', 'filename': sys.argv[2]})
+for line in open(sys.argv[3]):
+    v = [float(x) for x in line.split()]
+    si = mi.SurfaceInteraction3f()
+    if 'spectral' in sys.argv[1]:
+        si.wavelengths = v[6:10]
+    si.wi = mi.Vector3f(v[:3])
+    print(*np.array(bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(v[3:6]))).ravel())
+";
+
+/// Mitsuba at nodes of the table and between them.
+#[test]
+fn mitsuba_reads_rgl_files() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, variant, wavelengths) in [
+        (
+            "dir_specular_spectral7_binary.ssdd",
+            "scalar_spectral",
+            [400.0, 500.0, 600.0, 700.0].as_slice(),
+        ),
+        ("dir_iso_rgb.ddr", "scalar_rgb", &[]),
+        ("dir_aniso_rgb.ddr", "scalar_rgb", &[]),
+    ] {
+        let written = write(&load(name), Format::Rgl, None).unwrap();
+        let data = parse("x.bsdf", &written.bytes, &ReadOptions::default()).unwrap();
+        let file = folder.path().join(format!("{name}.bsdf"));
+        std::fs::write(&file, &written.bytes).unwrap();
+        let Table::Warped(table) = &data.components[0].table else {
+            panic!("no warped table")
+        };
+        let mut pairs: Vec<(Vec3, Vec3)> = Vec::new();
+        for theta in table
+            .incidence()
+            .nodes_rad()
+            .iter()
+            .copied()
+            .filter(|theta| *theta > 0.05)
+        {
+            for (x, y) in [(5, 3), (9, 12), (14, 27)] {
+                let unit = |k: usize| k as f64 / (table.size() - 1) as f64;
+                let half = direction(
+                    unit(x).powi(2) * std::f64::consts::FRAC_PI_2,
+                    unit(y) * std::f64::consts::TAU - std::f64::consts::PI,
+                );
+                let omega_in = direction(theta, 0.0);
+                pairs.push((omega_in, half * (2.0 * half.dot(&omega_in)) - omega_in));
+            }
+            pairs.push((direction(0.9 * theta, 0.7), direction(0.5, 4.0)));
+        }
+        pairs.retain(|(_, omega_out)| omega_out.z > 0.05);
+        let mut lines = String::new();
+        for (i, o) in &pairs {
+            writeln!(
+                lines,
+                "{} {} {} {} {} {} {}",
+                i.x,
+                i.y,
+                i.z,
+                o.x,
+                o.y,
+                o.z,
+                words(wavelengths)
+            )
+            .unwrap();
+        }
+        let list = folder.path().join("pairs");
+        std::fs::write(&list, lines).unwrap();
+        let arguments = [variant, file.to_str().unwrap(), list.to_str().unwrap()];
+        let Some(found) = python("mitsuba", MITSUBA, &arguments) else {
+            return;
+        };
+        let mut worst = 0.0f64;
+        for ((omega_in, omega_out), found) in pairs.iter().zip(&found) {
+            let values = data.eval(omega_in, omega_out).unwrap().values;
+            let expected: Vec<f64> = if wavelengths.is_empty() {
+                values
+            } else {
+                wavelengths
+                    .iter()
+                    .map(|nm| values[((nm - 400.0) / 50.0) as usize])
+                    .collect()
+            };
+            assert_eq!(found.len(), expected.len());
+            for (f, e) in found.iter().zip(expected) {
+                worst = worst.max((f / e - 1.0).abs());
+            }
+        }
+        println!("{name}: Mitsuba within {worst:e}");
+        assert_eq!(found.len(), pairs.len());
+        assert!(worst < 0.01, "{name}: {worst}");
+    }
+}
+
+fn words(numbers: &[f64]) -> String {
+    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
+}
+
+const RADIANCE: &str = "
+import sys, pyradiance as pr
+sd = pr.bsdf.load_file(sys.argv[1])
+for line in open(sys.argv[2]):
+    print(*pr.bsdf.query(sd, *[float(x) for x in line.split()]))
+";
+
+/// Radiance's own library at the centres of patches, as CIE X, Y, Z.
+#[test]
+fn radiance_reads_klems_files() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in [
+        "dir_spherical_bw.ssdd",
+        "dir_specular_spectral7_binary.ssdd",
+        "lbgen_lambert_bsdf_mono.ssdd",
+    ] {
+        let written = write(&load(name), Format::RadianceXml, None).unwrap();
+        let data = parse("x.xml", &written.bytes, &ReadOptions::default()).unwrap();
+        let file = folder.path().join(format!("{name}.xml"));
+        std::fs::write(&file, &written.bytes).unwrap();
+        let beyond = if data.components.len() > 1 { 180.0 } else { 0.0 };
+        let angles = [
+            (0.0, 0.0, 20.0, 0.0),
+            (30.0, 18.0, 40.0, 60.0),
+            (50.0, 90.0, 10.0, 225.0),
+            (20.0, 180.0, 60.0, 30.0),
+        ];
+        let mut queries: Vec<(f64, f64, f64, f64)> = angles.to_vec();
+        if beyond > 0.0 {
+            queries.extend(angles.map(|(ti, pi, to, po)| (ti, pi, beyond - to, po)));
+        }
+        let lines: Vec<String> = queries.iter().map(|(a, b, c, d)| format!("{a} {b} {c} {d}")).collect();
+        let list = folder.path().join("angles");
+        std::fs::write(&list, lines.join("\n")).unwrap();
+        let Some(found) = python(
+            "pyradiance",
+            RADIANCE,
+            &[file.to_str().unwrap(), list.to_str().unwrap()],
+        ) else {
+            return;
+        };
+        let mut worst = 0.0f64;
+        for ((ti, pi, to, po), xyz) in queries.iter().zip(&found) {
+            let degrees = |theta: f64, phi: f64| direction(theta.to_radians(), phi.to_radians());
+            let values = data.eval(&degrees(*ti, *pi), &degrees(*to, *po)).unwrap().values;
+            let y = if values.len() == 3 { values[1] } else { values[0] };
+            worst = worst.max((xyz[1] - y).abs());
+        }
+        println!("{name}: Radiance within {worst:e}");
+        assert!(found.len() == queries.len() && worst < 1e-3, "{name}: {worst}");
+    }
+}

@@ -1,0 +1,280 @@
+//! What is written reads back, and says what it could not hold.
+
+use std::path::{Path, PathBuf};
+
+use proptest::prelude::*;
+use specval::formats::{
+    Channels, Format, Goniometric, ReadOptions, Scatter, Side, Table, WriteError, direction, parse, read, write,
+};
+use specval::geometry::Vec3;
+
+fn golden(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data/formats")
+        .join(name)
+}
+
+fn load(name: &str) -> Goniometric {
+    read(&golden(name), &ReadOptions::default()).unwrap()
+}
+
+fn degrees(theta: f64, phi: f64) -> Vec3 {
+    direction(theta.to_radians(), phi.to_radians())
+}
+
+/// Written and read again, by a name that tells transmission.
+fn again(data: &Goniometric, format: Format) -> (Goniometric, Vec<String>) {
+    let written = write(data, format, None).unwrap();
+    let transmission = data.components.iter().all(|c| c.scatter == Scatter::Transmission);
+    let name = match (format, transmission) {
+        (Format::Ddr, true) => "x.ddt",
+        (Format::Ddr, false) => "x.ddr",
+        (Format::Sdr, true) => "x.sdt",
+        (Format::Sdr, false) => "x.sdr",
+        (_, true) => "x.btdf.astm",
+        (_, false) => "x.astm",
+    };
+    let read = parse(name, &written.bytes, &ReadOptions::default()).unwrap();
+    assert_eq!(read.format, format);
+    (read, written.notices)
+}
+
+/// Pairs of directions within the ranges of the golden files.
+fn pairs(beyond: bool) -> Vec<(Vec3, Vec3)> {
+    let theta_o = |t: f64| if beyond { 180.0 - t } else { t };
+    [
+        (0.0, 0.0, 10.0, 40.0),
+        (20.0, 0.0, 15.0, 45.0),
+        (40.0, 90.0, 33.0, 200.0),
+        (55.0, 10.0, 61.0, 313.0),
+    ]
+    .map(|(ti, pi, to, po)| (degrees(ti, pi), degrees(theta_o(to), po)))
+    .to_vec()
+}
+
+/// Largest deviation of f between two files, relative to the largest f.
+fn deviation(a: &Goniometric, b: &Goniometric, beyond: bool) -> f64 {
+    let mut worst = 0.0f64;
+    for (omega_in, omega_out) in pairs(beyond) {
+        let (fa, fb) = (
+            a.eval(&omega_in, &omega_out).unwrap(),
+            b.eval(&omega_in, &omega_out).unwrap(),
+        );
+        let (fa, fb) = (fa.bsdf().unwrap(), fb.bsdf().unwrap());
+        assert_eq!(fa.len(), fb.len());
+        let scale = fa.iter().copied().fold(0.0, f64::max);
+        for (x, y) in fa.iter().zip(fb) {
+            worst = worst.max((x - y).abs() / scale);
+        }
+    }
+    worst
+}
+
+/// Formats whose own tables pass through unchanged, to the precision of their numbers.
+#[test]
+fn a_format_reads_what_it_wrote() {
+    for (name, format, tolerance) in [
+        ("dir_iso_rgb.ddr", Format::Ddr, 1e-9),
+        ("dir_plane_bw.ddr", Format::Ddr, 1e-9),
+        ("dir_aniso_rgb.ddr", Format::Ddr, 1e-9),
+        ("libbsdf_iso_spectral7.ddr", Format::Ddr, 1e-9),
+        ("dir_btdf_sigmat_bw.ddt", Format::Ddr, 1e-9),
+        ("dir_spherical_bw.ssdd", Format::Ssdd, 1e-9),
+        ("dir_specular_aniso_rgb.ssdd", Format::Ssdd, 1e-9),
+        ("dir_specular_bilateral_xyz.ssdd", Format::Ssdd, 1e-9),
+        ("dir_specular_spectral7_binary.ssdd", Format::Ssdd, 1e-9),
+        ("dir_btdf_sigmat_bw.ddt", Format::Ssdd, 1e-9),
+        ("dir_iso_rgb.ddr", Format::Ssdd, 1e-9),
+        ("dir_iso_rgb.astm", Format::Astm, 1e-9),
+        ("dir_iso_rgb.astm", Format::Csv, 1e-7),
+        ("dir_spherical_bw.ssdd", Format::Csv, 1e-9),
+        ("dir_spherical_bw.ssdd", Format::Astm, 1e-9),
+        // Single precision.
+        ("rgl_lambert_rgb.bsdf", Format::Rgl, 1e-5),
+        ("rgl_lambert_spec.bsdf", Format::Rgl, 1e-5),
+    ] {
+        let data = load(name);
+        let (back, notices) = again(&data, format);
+        let beyond = data.components[0].scatter == Scatter::Transmission;
+        let found = deviation(&data, &back, beyond);
+        assert!(found < tolerance, "{name} as {format}: {found:e}");
+        assert_eq!(data.components[0].channels, back.components[0].channels);
+        assert!(notices.is_empty(), "{name} as {format}: {notices:?}");
+    }
+}
+
+/// Smooth functions resampled: within the linear interpolation of the tables.
+#[test]
+fn other_formats_hold_resampled_values() {
+    for (name, format, tolerance) in [
+        ("dir_iso_rgb.astm", Format::Ddr, 0.02),
+        ("dir_spherical_bw.ssdd", Format::Ddr, 0.02),
+        ("dir_specular_spectral7_binary.ssdd", Format::Astm, 0.02),
+        ("dir_aniso_rgb.ddr", Format::Astm, 0.02),
+        ("dir_specular_spectral7_binary.ssdd", Format::Rgl, 0.02),
+        ("dir_aniso_rgb.ddr", Format::Rgl, 0.04),
+        ("rgl_lambert_spec.bsdf", Format::Ddr, 0.02),
+        ("klems_full_lambert_0p1.xml", Format::Ssdd, 1e-9),
+        ("ttree4_lambert_0p1.xml", Format::RadianceXml, 1e-9),
+        // Constant on patches of 10 degrees and more.
+        ("dir_spherical_bw.ssdd", Format::RadianceXml, 0.05),
+    ] {
+        let data = load(name);
+        let (back, notices) = again(&data, format);
+        let found = deviation(&data, &back, false);
+        assert!(found < tolerance, "{name} as {format}: {found:e}");
+        assert!(notices.iter().any(|n| n.contains("interpolated")), "{notices:?}");
+    }
+}
+
+#[test]
+fn klems_holds_reflection_and_transmission_and_xyz() {
+    let both = load("lbgen_lambert_bsdf_mono.ssdd");
+    let (back, _) = again(&both, Format::RadianceXml);
+    for scatter in [Scatter::Reflection, Scatter::Transmission] {
+        let component = back.component(scatter, Side::Front).unwrap();
+        let (total, _) = component.directional_hemispherical(0.5, 0.0).unwrap();
+        assert!((total[0] - 1.0).abs() < 1e-3, "{total:?}");
+    }
+    let spectral = load("dir_specular_spectral7_binary.ssdd");
+    let (back, notices) = again(&spectral, Format::RadianceXml);
+    assert_eq!(back.components[0].channels, Channels::Xyz);
+    assert!(notices.iter().any(|n| n.contains("XYZ under D65")), "{notices:?}");
+    // What was never measured, incidences beyond 60 degrees, is told.
+    assert!(
+        notices.iter().any(|n| n.contains("beyond what the source measured")),
+        "{notices:?}"
+    );
+}
+
+#[test]
+fn merl_holds_the_isotropic_mean() {
+    let aniso = load("dir_aniso_rgb.ddr");
+    let (back, notices) = again(&aniso, Format::Merl);
+    assert!(notices.iter().any(|n| n.contains("isotropic")), "{notices:?}");
+    // aniso: f = 0.4 + 0.1 in.x + 0.05 in.y + 0.06 out.x - 0.03 out.y + 0.02 out.z in.z, whose mean over turns is
+    // 0.4 + 0.02 out.z in.z.
+    for (omega_in, omega_out) in pairs(false) {
+        let found = back.eval(&omega_in, &omega_out).unwrap().bsdf().unwrap();
+        let f = 0.4 + 0.02 * omega_in.z * omega_out.z;
+        for (found, share) in found.iter().zip([1.0, 0.5, 0.25]) {
+            assert!((found - share * f).abs() < 0.01 * f, "{found} {f}");
+        }
+    }
+}
+
+#[test]
+fn specular_fractions_pass_through() {
+    for (name, wavelengths) in [("spec_rgb.sdr", 3), ("spec_bw.sdt", 1)] {
+        let data = load(name);
+        for format in [Format::Sdr, Format::Ssdd] {
+            let (back, _) = again(&data, format);
+            let (Table::Specular(a), Table::Specular(b)) = (&data.components[0].table, &back.components[0].table)
+            else {
+                panic!("no specular table")
+            };
+            for theta in [0.0, 0.3, 1.5] {
+                let found = b.fraction(theta, 0.0).unwrap();
+                assert_eq!((a.fraction(theta, 0.0).unwrap(), found.len()), (found, wavelengths));
+            }
+            assert_eq!(data.components[0].scatter, back.components[0].scatter);
+        }
+        assert!(matches!(
+            write(&data, Format::Ddr, None),
+            Err(WriteError::CannotHold { .. })
+        ));
+    }
+}
+
+#[test]
+fn readings_of_one_plane_fill_no_hemisphere() {
+    let text = "theta_i_deg,theta_v_deg,wavelength_nm,beta\n0,-30,500,0.4\n0,-30,600,0.5\n0,30,500,0.6\n0,30,600,0.7\n";
+    let data = parse("x.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
+    let beta = data
+        .eval(&degrees(0.0, 0.0), &degrees(15.0, 0.0))
+        .unwrap()
+        .brightness_factor()
+        .unwrap();
+    assert!(
+        (beta[0] - 0.55).abs() < 1e-12 && (beta[1] - 0.65).abs() < 1e-12,
+        "{beta:?}"
+    );
+    assert_eq!(data.eval(&degrees(0.0, 0.0), &degrees(15.0, 90.0)), None);
+    let written = write(&data, Format::Csv, None).unwrap();
+    assert_eq!(parse("x.csv", &written.bytes, &ReadOptions::default()).unwrap(), data);
+    assert!(matches!(
+        write(&data, Format::Rgl, None),
+        Err(WriteError::NotMeasured { .. })
+    ));
+    assert!(matches!(
+        write(&data, Format::Zemax, None),
+        Err(WriteError::NotWritten { .. })
+    ));
+}
+
+/// An SSDD file of any values in one of the parameter types.
+fn ssdd() -> impl Strategy<Value = String> {
+    let lists = (2usize..4, 1usize..4, 2usize..4, 2usize..5, 0usize..3, 1usize..4);
+    lists.prop_flat_map(|(n0, n1, n2, n3, kind, channels)| {
+        let values = prop::collection::vec(0.0..10.0f64, n0 * n1 * n2 * n3 * channels);
+        values.prop_map(move |values| {
+            let list = |n: usize, last: f64| {
+                let step = last / (n.max(2) - 1) as f64;
+                (0..n)
+                    .map(|i| (i as f64 * step).to_string())
+                    .collect::<Vec<_>>()
+                    .join(" ")
+            };
+            let kind = ["spherical", "specular", "half_difference"][kind];
+            let colour = match channels {
+                1 => "COLOR_MODEL monochrome".to_owned(),
+                2 => "COLOR_MODEL spectrum\nWAVELENGTH_LIST 450.5 700".to_owned(),
+                _ => "COLOR_MODEL xyz".to_owned(),
+            };
+            let rows = values
+                .chunks(channels)
+                .map(|row| row.iter().map(f64::to_string).collect::<Vec<_>>().join(" "));
+            let azimuths = if n1 > 1 {
+                format!("PARAM1_LIST {}\n", list(n1, 360.0))
+            } else {
+                String::new()
+            };
+            format!(
+                "VERSION 0.3\nDATA_TYPE brdf\n{colour}\nPARAM_TYPE {kind}_coordinate_system\nPARAM0_LIST {}\n{azimuths}\
+                 PARAM2_LIST {}\nPARAM3_LIST {}\nDATA ascii\n{}\n",
+                list(n0, 80.0),
+                list(n2, 90.0),
+                list(n3, 360.0),
+                rows.collect::<Vec<_>>().join("\n")
+            )
+        })
+    })
+}
+
+proptest! {
+    /// Every node comes back to the last digit but one.
+    #[test]
+    fn nodes_survive(text in ssdd()) {
+        let data = parse("x.ssdd", text.as_bytes(), &ReadOptions::default()).unwrap();
+        let Table::Grid(grid) = &data.components[0].table else { panic!("no grid") };
+        let specular = text.contains("specular");
+        for format in [Format::Ssdd, Format::Ddr] {
+            if format == Format::Ddr && (!specular || data.components[0].channels == Channels::Xyz) {
+                continue;
+            }
+            let written = write(&data, format, None).unwrap();
+            let back = parse("x.ddr", &written.bytes, &ReadOptions::default()).unwrap();
+            let component = &back.components[0];
+            let Table::Grid(found) = &component.table else { panic!("no grid") };
+            prop_assert_eq!(found.shape(), grid.shape());
+            let [n0, n1, n2, n3] = grid.shape();
+            for i in 0..n0 * n1 * n2 * n3 {
+                let node = [i % n0, i / n0 % n1, i / n0 / n1 % n2, i / n0 / n1 / n2];
+                for channel in 0..component.channels.count() {
+                    let value = component.quantity.to_bsdf(found.at(node, channel), 1.0).unwrap();
+                    prop_assert!((value - grid.at(node, channel)).abs() <= 1e-14 * value);
+                }
+            }
+        }
+    }
+}
