@@ -4,6 +4,9 @@ use super::lane_math::exp;
 use super::weights::Weights;
 use super::{Interior, Ledger, Roulette};
 
+/// Events without light that leaves after which a path has its turn at roulette all the same.
+const EVENTS_AT_MOST: u64 = 32;
+
 /// Paths of one wavelength, side by side: the plain walk, whose weights close the ledger to rounding.
 pub(super) struct Plain {
     mu_s: f64,
@@ -13,9 +16,10 @@ pub(super) struct Plain {
     waiting_crossing: [f64; LANES],
     waiting_reach: [f64; LANES],
     waiting_carried: [f64; LANES],
-    /// Fraction of its incident flux that each path carries, and below which it plays roulette.
+    /// Fraction of its incident flux that each path carries, what it entered with, and events since its last turn at roulette.
     carried: [f64; LANES],
-    floor: [f64; LANES],
+    entered: [f64; LANES],
+    events: [u64; LANES],
     /// Sums by lane.
     ballistic: [f64; LANES],
     scattered: [f64; LANES],
@@ -33,7 +37,8 @@ impl Weights for Plain {
             waiting_reach: [0.0; LANES],
             waiting_carried: [0.0; LANES],
             carried: [0.0; LANES],
-            floor: [0.0; LANES],
+            entered: [0.0; LANES],
+            events: [0; LANES],
             ballistic: [0.0; LANES],
             scattered: [0.0; LANES],
             absorbed: [0.0; LANES],
@@ -68,7 +73,8 @@ impl Weights for Plain {
     fn begin(&mut self, _: &Interior<'_>, entrance: &Entrance, place: usize, lane: usize, _: usize) -> f64 {
         self.crossing = self.waiting_crossing[place];
         self.carried[lane] = self.waiting_carried[place];
-        self.floor[lane] = 1.0 - entrance.reflectance[place];
+        self.entered[lane] = 1.0 - entrance.reflectance[place];
+        self.events[lane] = 0;
         self.waiting_reach[place]
     }
 
@@ -95,7 +101,12 @@ impl Weights for Plain {
             let out = after * step.leaving[i];
             let kept = after - out;
             let ballistic = if flights.scattered[i] == 1 { 0.0 } else { out };
-            let worth = rule.worth(kept, self.floor[i], flights.reflections[i], step.for_roulette[i]);
+            // Where nothing leaves, roulette would only thin out the long paths, which another absorption may need.
+            self.events[i] += 1;
+            let due = (out > 0.0) | (self.events[i] >= EVENTS_AT_MOST);
+            self.events[i] = if due { 0 } else { self.events[i] };
+            let weighed = if due { kept } else { self.entered[i] };
+            let worth = rule.worth(weighed, self.entered[i], flights.reflections[i], step.for_roulette[i]);
             let goes_on = kept * worth;
             self.absorbed[i] += before - after;
             self.ballistic[i] += ballistic;

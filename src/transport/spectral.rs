@@ -32,7 +32,7 @@ pub(super) struct Spectral {
     alive: Mask,
     /// What Fresnel and roulette have left, the same at every wavelength.
     common: [f64; LANES],
-    floor: [f64; LANES],
+    entered: [f64; LANES],
     /// Since the weights were last worked out: length, mm, and scatterings.
     since: [f64; LANES],
     scatterings: [u64; LANES],
@@ -57,7 +57,7 @@ impl Weights for Spectral {
             roulette: sums(),
             alive: 0,
             common: [0.0; LANES],
-            floor: [0.0; LANES],
+            entered: [0.0; LANES],
             since: [0.0; LANES],
             scatterings: [0; LANES],
         }
@@ -93,7 +93,7 @@ impl Weights for Spectral {
         }
         self.survived[row].fill([1.0; GROUP]);
         self.common[lane] = entering;
-        self.floor[lane] = entering;
+        self.entered[lane] = entering;
         self.since[lane] = 0.0;
         self.scatterings[lane] = 0;
         let turns = f64::from(interior.turns().as_flattened()[hero]);
@@ -160,7 +160,7 @@ impl Weights for Spectral {
                 continue;
             }
             let reflections = flights.reflections[lane];
-            let worth = rule.worth(largest * kept, self.floor[lane], reflections, step.for_roulette[lane]);
+            let worth = rule.worth(largest * kept, self.entered[lane], reflections, step.for_roulette[lane]);
             if worth != 1.0 {
                 count(&mut self.roulette, &self.carried, kept * (1.0 - worth));
             }
