@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_1_PI, PI};
-use std::path::{Path, PathBuf};
 
 use specval::formats::{
     AngleUnit, Channels, Format, Goniometric, Parameters, Placement, Quantity, ReadOptions, Scatter, Side, Table,
@@ -10,15 +9,9 @@ use specval::formats::{
 };
 use specval::geometry::Vec3;
 
-fn golden(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("tests/data/formats")
-        .join(name)
-}
+mod golden;
 
-fn load(name: &str) -> Goniometric {
-    read(&golden(name), &ReadOptions::default()).unwrap()
-}
+use golden::{golden, load};
 
 fn bsdf(data: &Goniometric, omega_in: &Vec3, omega_out: &Vec3) -> Vec<f64> {
     data.eval(omega_in, omega_out).unwrap().bsdf().unwrap()

@@ -1,22 +1,14 @@
 //! What is written reads back, and says what it could not hold.
 
-use std::path::{Path, PathBuf};
-
 use proptest::prelude::*;
 use specval::formats::{
-    Channels, Format, Goniometric, ReadOptions, Scatter, Side, Table, WriteError, direction, parse, read, write,
+    Channels, Format, Goniometric, ReadOptions, Scatter, Side, Table, WriteError, direction, parse, write,
 };
 use specval::geometry::Vec3;
 
-fn golden(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("tests/data/formats")
-        .join(name)
-}
+mod golden;
 
-fn load(name: &str) -> Goniometric {
-    read(&golden(name), &ReadOptions::default()).unwrap()
-}
+use golden::load;
 
 fn degrees(theta: f64, phi: f64) -> Vec3 {
     direction(theta.to_radians(), phi.to_radians())

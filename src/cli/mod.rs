@@ -1,6 +1,7 @@
 //! What was typed: one file per subcommand, and what all of them share.
 //!
-//! Exit codes: 0 done, 2 bad input, with the reason on stderr; of `check` 1 for a broken law, 2 also for one it cannot tell. A reader that closes stdout early is no error.
+//! Exit codes: 0 done, 2 bad input, with the reason on stderr; of `check` 1 for a broken law, 2 also for one it cannot
+//! tell. A reader that closes stdout early is no error.
 
 pub mod check;
 pub mod colour;

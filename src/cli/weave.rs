@@ -21,16 +21,9 @@ struct Drawdown {
     repeat: [usize; 2],
     /// A row a pick, `X` where the warp is on top.
     drawdown: Vec<String>,
-    warp_threads: Vec<ThreadRow>,
-    weft_threads: Vec<ThreadRow>,
+    warp_threads: Vec<Thread>,
+    weft_threads: Vec<Thread>,
     warnings: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct ThreadRow {
-    rgb: Option<[f64; 3]>,
-    spacing_mm: Option<f64>,
-    thickness_mm: Option<f64>,
 }
 
 pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
@@ -41,23 +34,16 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
             .map(|j| if draft.warp_on_top(i, j) { 'X' } else { '.' })
             .collect()
     };
-    let rows = |threads: &[Thread]| {
-        let row = |t: &Thread| ThreadRow {
-            rgb: t.rgb,
-            spacing_mm: t.spacing_mm,
-            thickness_mm: t.thickness_mm,
-        };
-        threads.iter().map(row).collect()
-    };
+    let (repeat, drawdown) = (draft.repeat(), (0..wefts).map(row).collect());
     let drawdown = Drawdown {
-        title: draft.title.clone(),
+        title: draft.title,
         warps,
         wefts,
-        repeat: draft.repeat(),
-        drawdown: (0..wefts).map(row).collect(),
-        warp_threads: rows(&draft.warps),
-        weft_threads: rows(&draft.wefts),
-        warnings: draft.warnings.clone(),
+        repeat,
+        drawdown,
+        warp_threads: draft.warps,
+        weft_threads: draft.wefts,
+        warnings: draft.warnings,
     };
     terminal.result(&drawdown, text)
 }
@@ -76,7 +62,7 @@ fn text(of: &Drawdown) -> String {
         let _ = writeln!(text, "{row}");
     }
     for (name, threads) in [("warp", &of.warp_threads), ("weft", &of.weft_threads)] {
-        let mut runs: Vec<(usize, &ThreadRow)> = Vec::new();
+        let mut runs: Vec<(usize, &Thread)> = Vec::new();
         for thread in threads {
             match runs.last_mut() {
                 Some((count, last)) if last.rgb == thread.rgb && last.spacing_mm == thread.spacing_mm => *count += 1,

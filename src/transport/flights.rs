@@ -18,6 +18,8 @@ pub(super) type Mask = u32;
 
 /// Where the paths under way are.
 pub(super) struct Flights {
+    /// Lanes that have a path.
+    pub alive: Mask,
     pub stream: LaneStream<LANES>,
     pub position: Lanes3,
     pub direction: Lanes3,
@@ -39,6 +41,8 @@ pub(super) struct Flights {
 pub(super) struct Step {
     /// 1 where a particle was met, 0 at the surface.
     pub scatters: [u64; LANES],
+    /// Lanes that have a path and met a particle.
+    pub scattering: Mask,
     /// Finite, mm.
     pub length: [f64; LANES],
     /// 1 where neither a particle nor a surface is ahead.
@@ -58,6 +62,7 @@ pub(super) struct Step {
 impl Flights {
     pub fn new(stream: LaneStream<LANES>) -> Self {
         Self {
+            alive: 0,
             stream,
             position: [[0.0; LANES]; 3],
             direction: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
@@ -122,6 +127,7 @@ impl Flights {
             self.preset[i] = -1.0;
         }
         angles.draw(&mut step.turns);
+        step.scattering = self.alive & lanes_where(|lane| step.scatters[lane] == 1);
     }
 
     /// New directions: mirrored at the surface, turned by a particle.

@@ -13,9 +13,7 @@ pub(super) type Double = [f64; GROUP];
 /// Turns, in a round, of the wavelength that scatters most and of the one that scatters least.
 const TURNS_OF_MOST: usize = 5;
 const TURNS_OF_LEAST: usize = 2;
-/// Scatterings on end without working out the weights, at most, so that trapped light meets roulette.
-const SCATTERINGS_AT_MOST: f64 = 32.0;
-/// How far products of density ratios may grow or shrink in between, well within single precision.
+/// How far products of density ratios may grow or shrink before the weights are worked out, well within single precision.
 const RANGE: f64 = 1e28;
 
 /// Scattering and absorption inside a body at one wavelength.
@@ -260,7 +258,7 @@ fn scatterings_at_most(wavelengths: &[Coefficients<'_>]) -> u64 {
             most / least
         })
         .fold(1.0, f64::max);
-    (RANGE.ln() / ratio.ln()).clamp(1.0, SCATTERINGS_AT_MOST) as u64
+    (RANGE.ln() / ratio.ln()).max(1.0) as u64
 }
 
 /// Groups of values, the last filled up with 0.

@@ -1,11 +1,8 @@
 use super::entrance::Entrance;
 use super::flights::{Flights, LANES, LanesOf, Mask, Step, lanes_where};
 use super::lane_math::exp;
-use super::weights::Weights;
+use super::weights::{EVENTS_AT_MOST, Weights};
 use super::{Interior, Ledger, Roulette};
-
-/// Events without light that leaves after which a path has its turn at roulette all the same.
-const EVENTS_AT_MOST: u64 = 32;
 
 /// Paths of one wavelength, side by side: the plain walk, whose weights close the ledger to rounding.
 pub(super) struct Plain {

@@ -2,7 +2,7 @@ use super::entrance::Entrance;
 use super::flights::{Flights, LANES, LanesOf, Mask, Step, lanes_where};
 use super::interior::{Double, GROUP, Single};
 use super::lane_math::{exp_single, loss_single};
-use super::weights::{REFLECTIONS_IN_A_ROW, Weights};
+use super::weights::{EVENTS_AT_MOST, REFLECTIONS_IN_A_ROW, Weights};
 use super::{Interior, Ledger, Roulette};
 use std::ops::{Add, Mul};
 
@@ -29,7 +29,6 @@ pub(super) struct Spectral {
     scattered: Vec<Double>,
     absorbed: Vec<Double>,
     roulette: Vec<Double>,
-    alive: Mask,
     /// What Fresnel and roulette have left, the same at every wavelength.
     common: [f64; LANES],
     entered: [f64; LANES],
@@ -55,7 +54,6 @@ impl Weights for Spectral {
             scattered: sums(),
             absorbed: sums(),
             roulette: sums(),
-            alive: 0,
             common: [0.0; LANES],
             entered: [0.0; LANES],
             since: [0.0; LANES],
@@ -98,13 +96,11 @@ impl Weights for Spectral {
         self.scatterings[lane] = 0;
         let turns = f64::from(interior.turns().as_flattened()[hero]);
         let over_reach = f64::from(heroes.as_flattened()[hero]);
-        let reach = if over_reach > 0.0 {
+        if over_reach > 0.0 {
             (turns / over_reach).min(1.0)
         } else {
             0.0
-        };
-        self.alive |= Mask::from(reach > 0.0) << lane;
-        reach
+        }
     }
 
     #[inline(always)]
@@ -121,12 +117,11 @@ impl Weights for Spectral {
         step: &Step,
         mut tell: impl FnMut(usize, &[f64]),
     ) -> Mask {
-        let alive = self.alive;
-        for lane in LanesOf(alive & lanes_where(|lane| step.scatters[lane] == 1)) {
+        for lane in LanesOf(step.scattering) {
             let share = &mut self.share[lane * self.groups..(lane + 1) * self.groups];
             interior.weigh(flights.hero[lane] as usize, &step.turns, lane, share);
         }
-        let at_most = interior.scatterings_at_most();
+        let at_most = interior.scatterings_at_most().min(EVENTS_AT_MOST);
         for i in 0..LANES {
             self.since[i] += step.length[i];
             self.scatterings[i] += step.scatters[i];
@@ -137,6 +132,7 @@ impl Weights for Spectral {
                 | (flights.reflections[lane] >= REFLECTIONS_IN_A_ROW)
                 | (step.lost[lane] == 1)
         });
+        let mut alive = flights.alive;
         for lane in LanesOf(alive & due) {
             let largest = self.evaluate(interior, flights.hero[lane] as usize, lane);
             let out = step.leaving[lane];
@@ -156,7 +152,7 @@ impl Weights for Spectral {
             if step.lost[lane] == 1 {
                 // Neither a particle nor a surface ahead: what is left is absorbed on the way to infinity.
                 count(&mut self.absorbed, &self.carried, 1.0);
-                self.alive &= !(1 << lane);
+                alive &= !(1 << lane);
                 continue;
             }
             let reflections = flights.reflections[lane];
@@ -165,9 +161,9 @@ impl Weights for Spectral {
                 count(&mut self.roulette, &self.carried, kept * (1.0 - worth));
             }
             self.common[lane] *= kept * worth;
-            self.alive &= !(Mask::from(largest * kept * worth <= 0.0) << lane);
+            alive &= !(Mask::from(largest * kept * worth <= 0.0) << lane);
         }
-        self.alive
+        alive
     }
 
     fn ledgers(&self, reflected: f64) -> Vec<Ledger> {

@@ -1,5 +1,5 @@
 use super::entrance::Entrance;
-use super::flights::{Flights, LANES, Lanes3, LanesOf, Mask, Step, lanes_where, refract};
+use super::flights::{Flights, LANES, Lanes3, LanesOf, Mask, Step, refract};
 use super::plain::Plain;
 use super::spectral::Spectral;
 use super::stream::LaneStream;
@@ -196,7 +196,6 @@ struct State<'a, 'e, S, W> {
     weights: W,
     reflected: f64,
     scatterings: u64,
-    alive: Mask,
     entries: [Entry; LANES],
 }
 
@@ -221,7 +220,6 @@ impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
             weights: W::new(walk.interior),
             reflected: 0.0,
             scatterings: 0,
-            alive: 0,
             entries: [nowhere; LANES],
         }
     }
@@ -232,10 +230,10 @@ impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
         let inverse_index = 1.0 / interior.index();
         let mut step = Step::default();
         loop {
-            if self.alive.count_ones() + IDLE <= LANES as u32 {
+            if self.flights.alive.count_ones() + IDLE <= LANES as u32 {
                 self.refill();
             }
-            if self.alive == 0 {
+            if self.flights.alive == 0 {
                 break;
             }
             self.flights.fly(*shape, inverse_index, interior.angles(), &mut step);
@@ -251,9 +249,9 @@ impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
     /// Begins paths in the lanes that have none, while there are any.
     #[inline(always)]
     fn refill(&mut self) {
-        let idle = !self.alive & (Mask::MAX >> (Mask::BITS - LANES as u32));
+        let idle = !self.flights.alive & (Mask::MAX >> (Mask::BITS - LANES as u32));
         for lane in LanesOf(idle) {
-            while self.alive & (1 << lane) == 0 {
+            while self.flights.alive & (1 << lane) == 0 {
                 if self.entrance.waiting() == 0 {
                     let (shape, interior) = (self.walk.shape, self.walk.interior);
                     self.entrance.fill(shape, interior.index(), &mut self.ends.entry);
@@ -311,14 +309,14 @@ impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
         flights.length[lane] = 0.0;
         flights.scattered[lane] = 0;
         flights.reflections[lane] = 0;
-        self.alive |= Mask::from(reach > 0.0) << lane;
+        flights.alive |= Mask::from(reach > 0.0) << lane;
     }
 
     /// Deals with what each lane met, and tells the sink of light that leaves.
     #[inline(always)]
     fn meet(&mut self, step: &Step) {
         let Walk { interior, roulette, .. } = self.walk;
-        self.scatterings += u64::from((self.alive & lanes_where(|lane| step.scatters[lane] == 1)).count_ones());
+        self.scatterings += u64::from(step.scattering.count_ones());
         let (flights, entries, sink) = (&self.flights, &self.entries, &mut self.ends.sink);
         let tell = |lane: usize, weights: &[f64]| {
             let (normal, direction) = (vector(&step.normal, lane), vector(&flights.direction, lane));
@@ -340,7 +338,7 @@ impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
                 omega_in: entries[lane].omega_in,
             });
         };
-        self.alive = self.weights.meet(interior, roulette, flights, step, tell);
+        self.flights.alive = self.weights.meet(interior, roulette, flights, step, tell);
     }
 }
 

@@ -7,6 +7,7 @@ use std::collections::HashMap;
 
 use crate::cloth::{ClothError, Draft};
 use crate::formats::FormatError;
+use serde::Serialize;
 
 /// A draft over all its threads. Wefts are the picks in the order they are woven.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +22,7 @@ pub struct WeaveDraft {
 }
 
 /// A thread as the file states it; a draft is no optics, so nothing is assumed where it says nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
 pub struct Thread {
     /// Red, green and blue, 0..1, of a display the file does not name.
     pub rgb: Option<[f64; 3]>,
