@@ -28,7 +28,7 @@ pixels_per_side = 8
 /// Wide enough for the fewest paths.
 const WIDE: &str = "
 [check]
-ledger = 1.0
+sharing = 1.0
 roulette = 1.0
 scattering_angle = 1.0
 cylinder = 1.0
@@ -59,7 +59,7 @@ fn verdicts_baseline_and_outputs() {
     assert_eq!(checked["verdict"], "holds");
     assert!(checked["gates"].as_array().unwrap().len() >= 20);
     for field in ["name", "value", "se", "tolerance", "verdict"] {
-        assert!(!gate(&checked, "ledger-shared")[field].is_null(), "{field}");
+        assert!(!gate(&checked, "sharing")[field].is_null(), "{field}");
     }
     fs::write(here.join("baseline.json"), &first.stdout).unwrap();
 
@@ -100,12 +100,12 @@ fn verdicts_baseline_and_outputs() {
 fn too_few_paths_cannot_tell_and_bad_input_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    fs::write(here.join("study.toml"), format!("{SMALL}[check]\nledger = 1e-4\n")).unwrap();
+    fs::write(here.join("study.toml"), format!("{SMALL}[check]\nsharing = 1e-4\n")).unwrap();
     let output = specval(here, &["check", "study.toml", "--paths", "4096", "--json"]);
     assert_eq!(output.status.code(), Some(2));
     let checked = document(&output);
     assert_eq!(checked["verdict"], "undecided");
-    assert!(gate(&checked, "ledger-shared")["paths_to_tell"].as_u64().unwrap() > 100_000);
+    assert!(gate(&checked, "sharing")["paths_to_tell"].as_u64().unwrap() > 100_000);
 
     let refused = |arguments: &[&str], words: &str| {
         let output = specval(here, arguments);
@@ -118,8 +118,8 @@ fn too_few_paths_cannot_tell_and_bad_input_is_refused() {
     fs::write(here.join("other.json"), "{}").unwrap();
     refused(&["check", "--against", "other.json"], "expected the document");
     refused(&["check", "--junit", "no/such/folder.xml"], "cannot be written");
-    fs::write(here.join("wrong.toml"), "[check]\nledger = 2.0\n").unwrap();
-    refused(&["check", "wrong.toml"], "check.ledger");
+    fs::write(here.join("wrong.toml"), "[check]\nsharing = 2.0\n").unwrap();
+    refused(&["check", "wrong.toml"], "check.sharing");
 }
 
 /// Runs of a clean study, each with its own seed, of which some gate breaks.

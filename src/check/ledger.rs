@@ -1,6 +1,6 @@
 //! Where the light went: the energy ledger of every wavelength and incident direction, and the white furnace.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Place, estimates};
 use super::{CheckError, Context, Quantity};
 use crate::study::NumberOrTable;
 use crate::transport::{Ledger, Roulette};
@@ -13,7 +13,11 @@ const INDEPENDENT: Law = Law {
 };
 const SHARED: Law = Law {
     name: "ledger-shared",
-    words: "shared paths: the same sum is 1 in the mean",
+    words: "shared paths: the same sum and what the balance heuristic took less what it gave are 1",
+};
+const SHARING: Law = Law {
+    name: "sharing",
+    words: "shared paths: the balance heuristic takes as much as it gives",
 };
 const ROULETTE: Law = Law {
     name: "roulette",
@@ -72,12 +76,15 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
     let wavelengths = plan.grid.len();
     let means = |of: fn(&Ledger) -> f64| means_over_directions(context, &batches, of);
     if plan.yarn.estimator_in_use() == Estimator::Shared {
-        let residuals: Vec<Vec<f64>> = batches
-            .iter()
-            .map(|batch| batch.iter().map(Ledger::residual).collect())
-            .collect();
-        let tolerance = check.ledger * context.widening;
-        gates.push(judge.zero(SHARED, &residuals, tolerance, |i| place(context, i)));
+        let of_cells = |of: fn(&Ledger) -> f64| -> Vec<Vec<f64>> {
+            batches.iter().map(|batch| batch.iter().map(of).collect()).collect()
+        };
+        let residuals = of_cells(Ledger::residual);
+        let means: Vec<f64> = estimates(&residuals).iter().map(|[mean, _]| *mean).collect();
+        gates.push(judge.exact(SHARED, &means, check.rounding, |i| place(context, i)));
+        let tolerance = check.sharing * context.widening;
+        let taken = of_cells(|ledger| ledger.sharing);
+        gates.push(judge.zero(SHARING, &taken, tolerance, |i| place(context, i)));
     }
     let played = Yarn {
         roulette: Roulette::new(PLAYED_BELOW, PLAYED_SURVIVAL)?,

@@ -18,13 +18,14 @@ type Column = (&'static str, fn(&EnergyRow) -> f64);
 
 /// Every fraction in the order of `energy.csv`; none without rows.
 pub fn ledger_ranges(rows: &[EnergyRow]) -> Vec<LedgerRange> {
-    let columns: [Column; 6] = [
+    let columns: [Column; 7] = [
         ("reflected", |row| row.reflected),
         ("ballistic", |row| row.ballistic),
         ("scattered", |row| row.scattered),
         ("absorbed", |row| row.absorbed),
         ("roulette", |row| row.roulette),
         ("residual", |row| row.residual),
+        ("sharing", |row| row.sharing),
     ];
     if rows.is_empty() {
         return Vec::new();

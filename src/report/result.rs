@@ -79,7 +79,7 @@ pub struct Convention {
 }
 
 /// Energy ledger of one wavelength and incident direction: fractions of the incident flux, each with its standard
-/// error. `residual` is 1 minus the sum of the others.
+/// error. `residual` is 1 minus the sum of the fractions before it; `sharing` is a part of `roulette`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct EnergyRow {
     pub wavelength_nm: f64,
@@ -93,10 +93,15 @@ pub struct EnergyRow {
     pub scattered_se: f64,
     pub absorbed: f64,
     pub absorbed_se: f64,
+    /// What games of chance took from the paths' weights less what they gave, 0 in the mean: Russian roulette, and the balance
+    /// heuristic where wavelengths share paths.
     pub roulette: f64,
     pub roulette_se: f64,
     pub residual: f64,
     pub residual_se: f64,
+    /// The balance heuristic's part of `roulette`.
+    pub sharing: f64,
+    pub sharing_se: f64,
 }
 
 /// What the sample is, in words that go below every graph and table it appears in.

@@ -50,6 +50,8 @@ pub fn energy_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
             "roulette_se",
             "residual",
             "residual_se",
+            "sharing",
+            "sharing_se",
         ],
     )
 }

@@ -195,8 +195,10 @@ pub fn energy_rows(wavelength_nm: &[f64], incident: &IncidentGrid, batches: &[Ve
                 ballistic_se,
                 scattered_se,
                 absorbed_se,
-                roulette_se,
+                _,
+                sharing_se,
                 residual_se,
+                roulette_se,
             ] = entry.se;
             rows.push(EnergyRow {
                 wavelength_nm,
@@ -210,10 +212,12 @@ pub fn energy_rows(wavelength_nm: &[f64], incident: &IncidentGrid, batches: &[Ve
                 scattered_se,
                 absorbed: entry.mean.absorbed,
                 absorbed_se,
-                roulette: entry.mean.roulette,
+                roulette: entry.mean.games(),
                 roulette_se,
                 residual: entry.mean.residual(),
                 residual_se,
+                sharing: entry.mean.sharing,
+                sharing_se,
             });
         }
     }

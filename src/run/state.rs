@@ -146,7 +146,7 @@ fn arrays(simulator: &Simulator, batches: usize) -> [ArrayInfo; 2] {
         array(
             "ledgers",
             "fraction of the incident flux",
-            "batch, traced incident direction, wavelength, (reflected, ballistic, scattered, absorbed, roulette)",
+            "batch, traced incident direction, wavelength, (reflected, ballistic, scattered, absorbed, roulette, sharing)",
             &[batches, directions, wavelengths, Ledger::FRACTIONS],
         ),
         array(

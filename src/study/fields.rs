@@ -266,8 +266,7 @@ pub(super) const SECTIONS: &[Section] = &[
                 "estimator",
                 "",
                 Kind::Choice(&["shared", "independent"]),
-                "Shared: one path for all wavelengths of one host index. Independent: a path each, whose ledger alone closes to \
-                 rounding.",
+                "Shared: one path for all wavelengths of one host index. Independent: a path each.",
             ),
             field(
                 "batches",
@@ -589,10 +588,10 @@ pub(super) const SECTIONS: &[Section] = &[
                 "Departure allowed where a law holds to rounding: ledgers, tables, phase functions, the rig.",
             ),
             field(
-                "ledger",
+                "sharing",
                 "",
                 Kind::Number(above(0.0, 1.0)),
-                "Residual of the shared paths' ledger, of the incident flux, at any wavelength and direction.",
+                "Net effect of the balance heuristic of shared paths, of the incident flux, at any wavelength and direction.",
             ),
             field(
                 "roulette",

@@ -339,7 +339,7 @@ impl Default for SweepSection {
 pub struct CheckSection {
     pub false_alarms: f64,
     pub rounding: f64,
-    pub ledger: f64,
+    pub sharing: f64,
     pub roulette: f64,
     pub scattering_angle: f64,
     pub cylinder: f64,
@@ -354,7 +354,7 @@ impl Default for CheckSection {
         Self {
             false_alarms: 1e-3,
             rounding: 1e-12,
-            ledger: 0.05,
+            sharing: 0.05,
             roulette: 0.002,
             scattering_angle: 0.01,
             cylinder: 0.002,

@@ -125,6 +125,7 @@ impl Weights for Plain {
             scattered: self.scattered.iter().sum(),
             absorbed: self.absorbed.iter().sum(),
             roulette: self.roulette.iter().sum(),
+            sharing: 0.0,
         }]
     }
 }

@@ -22,15 +22,19 @@ pub(super) struct Spectral {
     heroes: Vec<Single>,
     /// exp(−μ_a L) of each lane as last worked out.
     survived: Vec<Single>,
-    /// What the path in hand carries, and what of it leaves.
+    /// What each lane carried when last worked out, before anything left.
     carried: Vec<Single>,
+    /// What leaves of the path in hand.
     weights: Vec<Double>,
     ballistic: Vec<Double>,
     scattered: Vec<Double>,
     absorbed: Vec<Double>,
     roulette: Vec<Double>,
+    sharing: Vec<Double>,
     /// What Fresnel and roulette have left, the same at every wavelength.
     common: [f64; LANES],
+    /// What Fresnel and roulette made of `carried` since.
+    left: [f64; LANES],
     entered: [f64; LANES],
     /// Since the weights were last worked out: length, mm, and scatterings.
     since: [f64; LANES],
@@ -48,13 +52,15 @@ impl Weights for Spectral {
             share: vec![[0.0; GROUP]; groups * LANES],
             heroes: vec![[0.0; GROUP]; groups * LANES],
             survived: vec![[0.0; GROUP]; groups * LANES],
-            carried: vec![[0.0; GROUP]; groups],
+            carried: vec![[0.0; GROUP]; groups * LANES],
             weights: sums(),
             ballistic: sums(),
             scattered: sums(),
             absorbed: sums(),
             roulette: sums(),
+            sharing: sums(),
             common: [0.0; LANES],
+            left: [0.0; LANES],
             entered: [0.0; LANES],
             since: [0.0; LANES],
             scatterings: [0; LANES],
@@ -82,15 +88,21 @@ impl Weights for Spectral {
             self.weights[group] = weights;
             self.ballistic[group] = plus(self.ballistic[group], weights);
             self.absorbed[group] = plus(self.absorbed[group], absorbed);
+            self.sharing[group] = minus(self.sharing[group], double(straight));
             *as_hero = turns_over_reach(met, interior.turns()[group], transmittance);
             total = plus(total, *as_hero);
         }
         let even = self.turns / sum(total);
-        for (share, taken) in share.iter_mut().zip(interior.taken()) {
+        let carried = self.carried[row.clone()].iter_mut().zip(interior.taken());
+        for ((share, (carried, taken)), sharing) in share.iter_mut().zip(carried).zip(&mut self.sharing) {
             *share = scaled(*taken, even);
+            *carried = scaled(*share, entering as f32);
+            // The paths' common start is the mean over heroes of what does not cross, and each wavelength has its own.
+            *sharing = plus(*sharing, minus(scaled(double(*taken), entering), double(*carried)));
         }
         self.survived[row].fill([1.0; GROUP]);
         self.common[lane] = entering;
+        self.left[lane] = 1.0;
         self.entered[lane] = entering;
         self.since[lane] = 0.0;
         self.scatterings[lane] = 0;
@@ -99,6 +111,12 @@ impl Weights for Spectral {
         if over_reach > 0.0 {
             (turns / over_reach).min(1.0)
         } else {
+            // This hero does nothing but cross: the others make up for what the path would have carried.
+            count(
+                &mut self.sharing,
+                &self.carried[lane * self.groups..(lane + 1) * self.groups],
+                1.0,
+            );
             0.0
         }
     }
@@ -135,6 +153,7 @@ impl Weights for Spectral {
         let mut alive = flights.alive;
         for lane in LanesOf(alive & due) {
             let largest = self.evaluate(interior, flights.hero[lane] as usize, lane);
+            let carried = &self.carried[lane * self.groups..(lane + 1) * self.groups];
             let out = step.leaving[lane];
             if out > 0.0 {
                 let sums = if flights.scattered[lane] == 1 {
@@ -142,7 +161,7 @@ impl Weights for Spectral {
                 } else {
                     &mut self.ballistic
                 };
-                for ((sums, weights), carried) in sums.iter_mut().zip(&mut self.weights).zip(&self.carried) {
+                for ((sums, weights), carried) in sums.iter_mut().zip(&mut self.weights).zip(carried) {
                     *weights = scaled(double(*carried), out);
                     *sums = plus(*sums, *weights);
                 }
@@ -151,24 +170,31 @@ impl Weights for Spectral {
             let kept = 1.0 - out;
             if step.lost[lane] == 1 {
                 // Neither a particle nor a surface ahead: what is left is absorbed on the way to infinity.
-                count(&mut self.absorbed, &self.carried, 1.0);
+                count(&mut self.absorbed, carried, 1.0);
                 alive &= !(1 << lane);
                 continue;
             }
             let reflections = flights.reflections[lane];
             let worth = rule.worth(largest * kept, self.entered[lane], reflections, step.for_roulette[lane]);
             if worth != 1.0 {
-                count(&mut self.roulette, &self.carried, kept * (1.0 - worth));
+                count(&mut self.roulette, carried, kept * (1.0 - worth));
             }
             self.common[lane] *= kept * worth;
+            self.left[lane] = kept * worth;
             alive &= !(Mask::from(largest * kept * worth <= 0.0) << lane);
         }
         alive
     }
 
     fn ledgers(&self, reflected: f64) -> Vec<Ledger> {
-        let [ballistic, scattered, absorbed, roulette] =
-            [&self.ballistic, &self.scattered, &self.absorbed, &self.roulette].map(|sums| sums.as_flattened());
+        let [ballistic, scattered, absorbed, roulette, sharing] = [
+            &self.ballistic,
+            &self.scattered,
+            &self.absorbed,
+            &self.roulette,
+            &self.sharing,
+        ]
+        .map(|sums| sums.as_flattened());
         (0..self.wavelengths)
             .map(|w| Ledger {
                 reflected,
@@ -176,14 +202,15 @@ impl Weights for Spectral {
                 scattered: scattered[w],
                 absorbed: absorbed[w],
                 roulette: roulette[w],
+                sharing: sharing[w],
             })
             .collect()
     }
 }
 
 impl Spectral {
-    /// Works out what the path carries at each wavelength, counts what was absorbed since the last time, and returns the
-    /// largest weight.
+    /// Works out what the path carries at each wavelength, counts what was absorbed since the last time and what the balance
+    /// gave or took, and returns the largest weight.
     #[inline(always)]
     fn evaluate(&mut self, interior: &Interior<'_>, hero: usize, lane: usize) -> f64 {
         let row = lane * self.groups..(lane + 1) * self.groups;
@@ -202,8 +229,11 @@ impl Spectral {
         }
         let balance = self.turns / sum(total);
         let common = self.common[lane] as f32;
+        let left = self.left[lane];
         let mut largest = [0.0; GROUP];
-        for (group, (share, survived)) in share.iter_mut().zip(&mut self.survived[row]).enumerate() {
+        let carried = &mut self.carried[row.clone()];
+        let rows = share.iter_mut().zip(&mut self.survived[row]).zip(carried);
+        for (group, ((share, survived), last)) in rows.enumerate() {
             let now = balanced(*share, balance);
             *share = now;
             let before = product(scaled(now, common), *survived);
@@ -211,8 +241,13 @@ impl Spectral {
             let kept = remainder(lost);
             *survived = product(*survived, kept);
             let carried = product(before, kept);
-            self.carried[group] = carried;
-            self.absorbed[group] = plus(self.absorbed[group], double(product(before, lost)));
+            let absorbed = double(product(before, lost));
+            let accounted = plus(absorbed, double(carried));
+            // What single precision rounds off goes with what the balance changed.
+            let changed = minus(scaled(double(*last), left), accounted);
+            self.sharing[group] = plus(self.sharing[group], changed);
+            *last = carried;
+            self.absorbed[group] = plus(self.absorbed[group], absorbed);
             largest = larger(largest, carried);
         }
         f64::from(top(largest))

@@ -122,7 +122,7 @@ pub struct Walk<'a, S> {
 
 impl<S: Shape> Walk<'_, S> {
     /// Traces `paths` paths of light that `entry` lets in (from numbers even in [0, 1), the first of them stratified
-    /// over the paths), hands every exit to `sink`. The ledger of one wavelength alone closes to rounding; of more, in the mean.
+    /// over the paths), hands every exit to `sink`. The ledger closes to rounding.
     pub fn trace(
         &self,
         stream: Xoshiro256PlusPlus,

@@ -24,11 +24,11 @@ fn name(batch: usize, what: &str) -> String {
     format!("{batch}.{what}")
 }
 
-/// The five fractions of a ledger that are not derived from others.
+/// The fractions of a ledger that are not derived from others.
 pub(super) fn ledgers(layout: &YarnLayout) -> Array {
     Array {
         unit: "fraction of the incident flux",
-        axes: "traced direction, wavelength; reflected, ballistic, scattered, absorbed, roulette",
+        axes: "traced direction, wavelength; reflected, ballistic, scattered, absorbed, roulette, sharing",
         shape: vec![layout.incident.traced(), layout.wavelengths(), Ledger::FRACTIONS],
     }
 }

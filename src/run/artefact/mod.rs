@@ -234,13 +234,13 @@ impl YarnArtefact {
 fn energy(layout: &YarnLayout) -> Array {
     Array {
         unit: "fraction of the incident flux",
-        axes: "wavelength, incident direction; reflected, ballistic, scattered, absorbed, roulette, residual",
-        shape: vec![layout.wavelengths(), layout.incident.len(), 6],
+        axes: "wavelength, incident direction; reflected, ballistic, scattered, absorbed, roulette, residual, sharing",
+        shape: vec![layout.wavelengths(), layout.incident.len(), 7],
     }
 }
 
 /// Each fraction of a row and its standard error.
-fn fractions(row: &EnergyRow) -> [(f64, f64); 6] {
+fn fractions(row: &EnergyRow) -> [(f64, f64); 7] {
     [
         (row.reflected, row.reflected_se),
         (row.ballistic, row.ballistic_se),
@@ -248,12 +248,13 @@ fn fractions(row: &EnergyRow) -> [(f64, f64); 6] {
         (row.absorbed, row.absorbed_se),
         (row.roulette, row.roulette_se),
         (row.residual, row.residual_se),
+        (row.sharing, row.sharing_se),
     ]
 }
 
 fn rows(layout: &YarnLayout, mean: &[f64], se: &[f64]) -> Vec<EnergyRow> {
     let directions = layout.axes.incident_deg.len();
-    std::iter::zip(mean.as_chunks::<6>().0, se.as_chunks::<6>().0)
+    std::iter::zip(mean.as_chunks::<7>().0, se.as_chunks::<7>().0)
         .enumerate()
         .map(|(i, (mean, se))| {
             let [theta_in_deg, phi_in_deg] = layout.axes.incident_deg[i % directions];
@@ -273,6 +274,8 @@ fn rows(layout: &YarnLayout, mean: &[f64], se: &[f64]) -> Vec<EnergyRow> {
                 roulette_se: se[4],
                 residual: mean[5],
                 residual_se: se[5],
+                sharing: mean[6],
+                sharing_se: se[6],
             }
         })
         .collect()
