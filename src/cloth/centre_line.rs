@@ -1,3 +1,4 @@
+use super::piece::Piece;
 use super::{ClothError, System};
 use std::f64::consts::PI;
 
@@ -177,6 +178,45 @@ impl CentreLine {
             }
         };
         (n - changes) as f64 * self.spacing_mm + changes as f64 * change_mm
+    }
+
+    /// The pieces between crossings over one repeat, and where each begins; one more beginning closes the repeat.
+    pub(super) fn pieces(&self) -> (Vec<f64>, Vec<Piece>) {
+        let n = self.on_top.len();
+        let knots = (0..=n).map(|k| (k as f64 + 0.5) * self.spacing_mm).collect();
+        let pieces = (0..n)
+            .map(|k| {
+                let sign = if self.on_top[k] { 1.0 } else { -1.0 };
+                if self.on_top[k] == self.on_top[(k + 1) % n] {
+                    return Piece::Flat {
+                        height: sign * self.crest_mm,
+                    };
+                }
+                match self.profile {
+                    Profile::Peirce { arc_radius_mm, segment } => {
+                        let (sin, cos) = segment.weave_angle_rad.sin_cos();
+                        let z1 = self.crest_mm - arc_radius_mm;
+                        Piece::Arcs {
+                            sign,
+                            width: self.spacing_mm,
+                            z1,
+                            r1: arc_radius_mm,
+                            z2: -z1,
+                            r2: arc_radius_mm,
+                            sin,
+                            cos,
+                            w: z1 * cos + arc_radius_mm,
+                        }
+                    }
+                    Profile::Sinusoid => Piece::Wave {
+                        mean: 0.0,
+                        amplitude: sign * self.crest_mm,
+                        k: PI / self.spacing_mm,
+                    },
+                }
+            })
+            .collect();
+        (knots, pieces)
     }
 
     /// Smallest radius of curvature.

@@ -7,11 +7,15 @@ mod centre_line;
 mod draft;
 mod interpenetration;
 mod mesh;
+mod piece;
 mod scene;
+mod tube;
+mod tubes;
 
 pub use centre_line::{CentreLine, CentreLineKind, PeirceSegment};
 pub use draft::{Draft, Weave};
 pub use scene::{Cloth, Hit, YarnId};
+pub use tubes::{TubeHit, Tubes};
 
 use std::fmt;
 

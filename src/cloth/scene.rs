@@ -102,9 +102,7 @@ impl Cloth {
                 limit: MAX_FACETS,
             });
         }
-        let warps = centre_lines(spec, &draft, System::Warp)?;
-        let wefts = centre_lines(spec, &draft, System::Weft)?;
-        interpenetration::check(spec, &warps, &wefts)?;
+        let [warps, wefts] = centre_lines_of(spec)?;
         let mesh = Mesh::new(spec, &warps, &wefts);
         let cell_mm = [
             draft.yarns(System::Weft) as f64 * spec.weft_spacing_mm,
@@ -273,6 +271,16 @@ impl Cloth {
             }
         }
     }
+}
+
+/// Warps and wefts of one repeat of a cloth that can be.
+pub(super) fn centre_lines_of(spec: &ClothSpec) -> Result<[Vec<CentreLine>; 2], ClothError> {
+    spec.check_ranges()?;
+    let draft = spec.weave.draft();
+    let warps = centre_lines(spec, &draft, System::Warp)?;
+    let wefts = centre_lines(spec, &draft, System::Weft)?;
+    interpenetration::check(spec, &warps, &wefts)?;
+    Ok([warps, wefts])
 }
 
 fn centre_lines(spec: &ClothSpec, draft: &Draft, system: System) -> Result<Vec<CentreLine>, ClothError> {

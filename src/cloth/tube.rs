@@ -1,0 +1,252 @@
+use super::piece::{Offset, Piece};
+
+/// Steps of a search after which a ray counts as one that never reaches the surface.
+const MAX_STEPS: usize = 256;
+
+/// Value of F, up to rounding the distance from the surface in half axes, that counts as on the surface.
+const ON_SURFACE: f64 = 1e-13;
+
+/// First step, in half heights, of a ray that starts on the surface: past what rounding can hold there.
+const LEAVE: f64 = 1e-9;
+
+/// Smooth surface of one yarn: the points whose distance u from the centre line's vertical plane and signed distance v
+/// from the centre line within that plane satisfy F = (u/a)² + (v/b)² − 1 = 0.
+///
+/// Along a ray, with d_p its part in the plane, F'' = 2 (u'²/a² + (v'² + v v'')/b²). Where the line's radius of
+/// curvature is r, its centre below, v'² + v v'' = d_p² − d_t² r/(r + v) <= d_p², d_t the part along the line: whatever
+/// the bend, F'' <= M = 2 (u'²/a² + d_p²/b²), with equality along straights.
+#[derive(Clone, Debug)]
+pub(super) struct Tube {
+    pub half_width: f64,
+    pub half_height: f64,
+    inverse_a2: f64,
+    inverse_b2: f64,
+    /// Where pieces begin along the yarn; the last is the first one repeat on.
+    knots: Vec<f64>,
+    pieces: Vec<Piece>,
+    reach: f64,
+}
+
+/// Point or direction in a yarn's coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Local {
+    /// Along the yarn, in the cloth's plane.
+    pub x: f64,
+    /// Sideways, from the centre line's plane.
+    pub u: f64,
+    pub z: f64,
+}
+
+impl Local {
+    fn moved(self, along: Self, distance: f64) -> Self {
+        Self {
+            x: self.x + distance * along.x,
+            u: self.u + distance * along.u,
+            z: self.z + distance * along.z,
+        }
+    }
+}
+
+impl Tube {
+    pub fn new(half_width: f64, half_height: f64, knots: Vec<f64>, pieces: Vec<Piece>) -> Self {
+        Self {
+            half_width,
+            half_height,
+            inverse_a2: half_width.powi(-2),
+            inverse_b2: half_height.powi(-2),
+            knots,
+            reach: pieces
+                .iter()
+                .fold(f64::INFINITY, |least, piece| least.min(piece.reach())),
+            pieces,
+        }
+    }
+
+    /// The piece over which `x` lies, and the distance from its beginning.
+    #[inline]
+    fn locate(&self, x: f64) -> (usize, f64) {
+        let n = self.pieces.len();
+        let (first, repeat) = (self.knots[0], self.knots[n] - self.knots[0]);
+        let repeats = (x - first) / repeat;
+        let x = x - repeats.floor() * repeat;
+        let mut k = (((x - first) / repeat * n as f64) as usize).min(n - 1);
+        while k > 0 && x < self.knots[k] {
+            k -= 1;
+        }
+        while k + 1 < n && x > self.knots[k + 1] {
+            k += 1;
+        }
+        (k, x - self.knots[k])
+    }
+
+    /// Moves on to the neighbouring piece while `d` lies outside piece `k`.
+    #[inline]
+    fn relocate(&self, k: &mut usize, d: &mut f64) {
+        while *d < 0.0 {
+            *k = if *k == 0 { self.pieces.len() - 1 } else { *k - 1 };
+            *d += self.knots[*k + 1] - self.knots[*k];
+        }
+        loop {
+            let width = self.knots[*k + 1] - self.knots[*k];
+            if *d <= width {
+                return;
+            }
+            *d -= width;
+            *k = if *k + 1 == self.pieces.len() { 0 } else { *k + 1 };
+        }
+    }
+
+    /// F and half its derivative along a direction.
+    #[inline]
+    fn value(&self, Offset { v, normal }: Offset, u: f64, along: Local) -> (f64, f64) {
+        let climb = normal[0] * along.x + normal[1] * along.z;
+        (
+            u * u * self.inverse_a2 + v * v * self.inverse_b2 - 1.0,
+            u * along.u * self.inverse_a2 + v * climb * self.inverse_b2,
+        )
+    }
+
+    /// M / 2 along a direction.
+    #[inline]
+    fn bend(&self, along: Local) -> f64 {
+        along.u * along.u * self.inverse_a2 + (along.x * along.x + along.z * along.z) * self.inverse_b2
+    }
+
+    /// Distance from a point inside, or on the surface looking in, to the surface; any value of at least `limit` once
+    /// the surface is known to be that far. Each step ends where the parabola with curvature M would meet the surface,
+    /// so none passes it.
+    pub fn inside_distance(&self, from: Local, along: Local, limit: f64) -> f64 {
+        let bend = self.bend(along);
+        let (mut k, mut d) = self.locate(from.x);
+        let (mut u, mut z) = (from.u, from.z);
+        let mut distance = 0.0;
+        for n in 0..MAX_STEPS {
+            let (f, slope) = self.value(self.pieces[k].offset(d, z), u, along);
+            if n > 0 && f > -ON_SURFACE {
+                // What is left is below rounding unless the ray grazes.
+                return distance + if slope > 0.0 { (-0.5 * f / slope).max(0.0) } else { 0.0 };
+            }
+            let f = f.min(0.0);
+            let rest = limit - distance;
+            if f + rest * (2.0 * slope + bend * rest) < 0.0 {
+                return limit;
+            }
+            let root = (slope * slope - bend * f).sqrt();
+            let mut step = if slope > 0.0 {
+                -f / (slope + root)
+            } else {
+                (root - slope) / bend
+            };
+            if n == 0 {
+                step = step.max(LEAVE * self.half_height);
+            }
+            distance += step;
+            if distance >= limit {
+                return distance;
+            }
+            d += step * along.x;
+            z += step * along.z;
+            u += step * along.u;
+            self.relocate(&mut k, &mut d);
+        }
+        f64::INFINITY
+    }
+
+    /// First distance within `range` at which a ray enters the part of the tube over piece `k`, `from.x` counted from
+    /// the piece's beginning. The range must keep the ray over the piece and within the tube's half width. A start on
+    /// the surface looking out is no entry.
+    pub fn entry(&self, k: usize, from: Local, along: Local, range: [f64; 2]) -> Option<f64> {
+        let piece = &self.pieces[k];
+        let steepest = self.bend(along).sqrt();
+        let sideways = along.u * along.u * self.inverse_a2;
+        let in_plane = along.x * along.x + along.z * along.z;
+        let speed = in_plane.sqrt();
+        let mut distance = range[0];
+        for _ in 0..MAX_STEPS {
+            if distance > range[1] {
+                return None;
+            }
+            let at = from.moved(along, distance);
+            if let Some(least) = piece.at_least(at.x, at.z)
+                && least > 1.25 * self.half_height
+            {
+                // √(F + 1) changes by at most √(M / 2) per unit of distance.
+                let section = (at.u * at.u * self.inverse_a2 + least * least * self.inverse_b2).sqrt();
+                distance += (section - 1.0) / steepest;
+                continue;
+            }
+            let offset = piece.offset(at.x, at.z);
+            let (f, slope) = self.value(offset, at.u, along);
+            if f <= ON_SURFACE && slope < 0.0 {
+                return Some(distance);
+            }
+            let outside = f.max(0.0);
+            let mut step = ((outside + 1.0).sqrt() - 1.0) / steepest;
+            // On a window in which |v| stays below `farthest` < r, v v'' >= −d_p² farthest / (r − farthest).
+            let beside = offset.v.abs();
+            if beside < self.reach {
+                let (least_bend, window) = if self.reach.is_infinite() {
+                    (sideways, f64::INFINITY)
+                } else {
+                    let farthest = 0.5 * (beside + self.reach);
+                    (
+                        sideways - in_plane * self.inverse_b2 * farthest / (self.reach - farthest),
+                        (farthest - beside) / speed,
+                    )
+                };
+                step = step.max(window.min(first_root(outside, slope, least_bend)));
+            }
+            if f <= ON_SURFACE {
+                step = step.max(LEAVE * self.half_height);
+            } else if slope < 0.0 && distance + step <= distance {
+                return Some(distance);
+            }
+            distance += step;
+        }
+        None
+    }
+
+    /// The point of the surface next to one within rounding of it, the outward normal there and the centre line's
+    /// tangent, each as (x, u, z).
+    pub fn surface(&self, near: Local) -> [Local; 3] {
+        let (k, d) = self.locate(near.x);
+        let Offset { v, normal } = self.pieces[k].offset(d, near.z);
+        let (gu, gv) = (near.u * self.inverse_a2, v * self.inverse_b2);
+        let square = gu * gu + gv * gv;
+        let f = near.u * gu + v * gv - 1.0;
+        let back = -0.5 * f / square;
+        let length = square.sqrt();
+        let outward = Local {
+            x: gv * normal[0] / length,
+            u: gu / length,
+            z: gv * normal[1] / length,
+        };
+        let tangent = Local {
+            x: normal[1],
+            u: 0.0,
+            z: -normal[0],
+        };
+        [near.moved(outward, back * length), outward, tangent]
+    }
+
+    /// Lowest and highest point of the part of the tube over piece `k`.
+    pub fn heights(&self, k: usize) -> [f64; 2] {
+        let [low, high] = self.pieces[k].heights();
+        [low - self.half_height, high + self.half_height]
+    }
+}
+
+/// Smallest positive root of f + 2 s h + c h², f >= 0, or infinity.
+#[inline]
+fn first_root(f: f64, s: f64, c: f64) -> f64 {
+    let square = s * s - c * f;
+    if square < 0.0 {
+        f64::INFINITY
+    } else if s < 0.0 {
+        f / (square.sqrt() - s)
+    } else if c < 0.0 {
+        (s + square.sqrt()) / -c
+    } else {
+        f64::INFINITY
+    }
+}

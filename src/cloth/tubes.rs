@@ -1,0 +1,308 @@
+use super::tube::{Local, Tube};
+use super::{ClothError, ClothSpec, System, YarnId, scene};
+use crate::geometry::{Frame, Vec3};
+
+/// A ray in the cloth's plane may run for ever through a channel of the weave. After this many cells between crossings
+/// it counts as escaped; at 89.99° to the normal a ray crosses only some thousands.
+const MAX_CELLS: usize = 1 << 20;
+
+/// Overlap, as a fraction of the cell's size, of the ranges searched in neighbouring cells. Covers rounding.
+const SEAM: f64 = 1e-12;
+
+/// Where a ray in the air meets a yarn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TubeHit {
+    /// On the smooth surface.
+    pub position: Vec3,
+    pub distance_mm: f64,
+    /// Axis along the centre line's tangent, normal outwards.
+    pub frame: Frame,
+    pub yarn: YarnId,
+}
+
+/// The yarns of an endless woven cloth as smooth tubes, without facets: rays inside a yarn and in the air between.
+#[derive(Clone, Debug)]
+pub struct Tubes {
+    warp: Parallel,
+    weft: Parallel,
+    cell_mm: [f64; 2],
+    top_mm: f64,
+}
+
+/// The yarns of one system.
+#[derive(Clone, Debug)]
+struct Parallel {
+    tubes: Vec<Tube>,
+    /// Where the yarns of one repeat stand across their direction, ascending.
+    places: Vec<f64>,
+    /// Half-way through the gap from each yarn to the next.
+    gaps: Vec<f64>,
+    repeat: f64,
+}
+
+impl Parallel {
+    fn new(tubes: Vec<Tube>, places: Vec<f64>, repeat: f64) -> Self {
+        let n = places.len();
+        let gaps = (0..n)
+            .map(|j| {
+                let next = if j + 1 < n { places[j + 1] } else { places[0] + repeat };
+                0.5 * (places[j] + tubes[j].half_width + next - tubes[(j + 1) % n].half_width)
+            })
+            .collect();
+        Self {
+            tubes,
+            places,
+            gaps,
+            repeat,
+        }
+    }
+
+    /// Place of a yarn counted on through the endless cloth.
+    #[inline]
+    fn place(&self, number: i64) -> f64 {
+        let n = self.places.len() as i64;
+        self.places[number.rem_euclid(n) as usize] + self.repeat * number.div_euclid(n) as f64
+    }
+
+    /// Number of the last yarn that stands at or before `across`.
+    fn before(&self, across: f64) -> i64 {
+        let mut number = (across / self.repeat * self.places.len() as f64).floor() as i64;
+        while self.place(number) > across {
+            number -= 1;
+        }
+        while self.place(number + 1) <= across {
+            number += 1;
+        }
+        number
+    }
+
+    /// The tube around `across` and the distance from its plane.
+    #[inline]
+    fn nearest(&self, across: f64) -> (&Tube, f64) {
+        let n = self.places.len();
+        let mut across = across - (across / self.repeat).floor() * self.repeat;
+        // The last gap may end before the repeat does, or past its end.
+        if across > self.gaps[n - 1] {
+            across -= self.repeat;
+        } else if across < self.gaps[n - 1] - self.repeat {
+            across += self.repeat;
+        }
+        let mut k = ((across.max(0.0) / self.repeat * n as f64) as usize).min(n - 1);
+        while k > 0 && across < self.gaps[k - 1] {
+            k -= 1;
+        }
+        while k + 1 < n && across > self.gaps[k] {
+            k += 1;
+        }
+        (&self.tubes[k], across - self.places[k])
+    }
+}
+
+/// A world vector in a yarn's coordinates, and back: warps run along x, wefts along y.
+#[inline]
+fn local(system: System, [x, y, z]: [f64; 3]) -> Local {
+    match system {
+        System::Warp => Local { x, u: y, z },
+        System::Weft => Local { x: y, u: x, z },
+    }
+}
+
+#[inline]
+fn world(system: System, Local { x, u, z }: Local) -> [f64; 3] {
+    match system {
+        System::Warp => [x, u, z],
+        System::Weft => [u, x, z],
+    }
+}
+
+impl Tubes {
+    /// Errors: those of [`super::Cloth::new`] but for the number of facets.
+    pub fn new(spec: &ClothSpec) -> Result<Self, ClothError> {
+        let [warps, wefts] = scene::centre_lines_of(spec)?;
+        let cell_mm = [
+            wefts.len() as f64 * spec.weft_spacing_mm,
+            warps.len() as f64 * spec.warp_spacing_mm,
+        ];
+        let parallel = |system: System, lines: &[super::CentreLine], repeat: f64| {
+            let places = (0..lines.len())
+                .map(|k| (k as f64 + 0.5) * spec.spacing_mm(system))
+                .collect();
+            let radius = spec.radius_mm(system);
+            let tubes = lines
+                .iter()
+                .map(|line| {
+                    let (knots, pieces) = line.pieces();
+                    Tube::new(radius, radius, knots, pieces)
+                })
+                .collect();
+            Parallel::new(tubes, places, repeat)
+        };
+        let warp = parallel(System::Warp, &warps, cell_mm[1]);
+        let weft = parallel(System::Weft, &wefts, cell_mm[0]);
+        let top_mm = (warps[0].crest_mm() + spec.warp_radius_mm).max(wefts[0].crest_mm() + spec.weft_radius_mm);
+        Ok(Self {
+            warp,
+            weft,
+            cell_mm,
+            top_mm,
+        })
+    }
+
+    /// Size of one repeat along x and y.
+    pub fn cell_mm(&self) -> [f64; 2] {
+        self.cell_mm
+    }
+
+    /// Height of the highest points of the yarns over the middle plane; the lowest lie as far under it.
+    pub fn top_mm(&self) -> f64 {
+        self.top_mm
+    }
+
+    #[inline]
+    fn parallel(&self, system: System) -> &Parallel {
+        match system {
+            System::Warp => &self.warp,
+            System::Weft => &self.weft,
+        }
+    }
+
+    /// The tube of a system around a point, and the point in its coordinates.
+    #[inline]
+    fn tube(&self, system: System, position: [f64; 3]) -> (&Tube, Local) {
+        let at = local(system, position);
+        let (tube, u) = self.parallel(system).nearest(at.u);
+        (tube, Local { u, ..at })
+    }
+
+    /// Distance in mm from a point in a yarn of `system`, or on its surface looking in, to the yarn's surface along a
+    /// unit direction. Once the surface is known to be no nearer than `limit_mm`, any value of at least `limit_mm`.
+    /// Infinite if the ray has not left after some hundred diameters of yarn.
+    pub fn inside_distance(&self, system: System, position: [f64; 3], direction: [f64; 3], limit_mm: f64) -> f64 {
+        let (tube, from) = self.tube(system, position);
+        tube.inside_distance(from, local(system, direction), limit_mm)
+    }
+
+    /// The point of a yarn's surface next to a position within rounding of it, and the outward unit normal.
+    pub fn surface(&self, system: System, position: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+        let (tube, near) = self.tube(system, position);
+        let [on_surface, normal, _] = tube.surface(near);
+        let moved = [on_surface.x - near.x, on_surface.u - near.u, on_surface.z - near.z];
+        let shift = world(
+            system,
+            Local {
+                x: moved[0],
+                u: moved[1],
+                z: moved[2],
+            },
+        );
+        (std::array::from_fn(|k| position[k] + shift[k]), world(system, normal))
+    }
+
+    /// Frame of the yarn of `system` at a position within rounding of its surface.
+    pub fn frame(&self, system: System, position: [f64; 3]) -> Frame {
+        let (tube, near) = self.tube(system, position);
+        let [_, normal, tangent] = tube.surface(near);
+        Frame::from_axis_normal(world(system, tangent).into(), world(system, normal).into())
+    }
+
+    /// The first yarn on a ray that starts in the air, or on a yarn's surface looking out of it. `direction` is a unit
+    /// vector. A yarn that touches the one left there is met at distance 0.
+    pub fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<TubeHit> {
+        let (o, d) = (origin, direction);
+        let (mut entry, mut exit) = (0.0f64, f64::INFINITY);
+        clip([-self.top_mm - o.z, self.top_mm - o.z], d.z, &mut entry, &mut exit);
+        if entry > exit {
+            return None;
+        }
+        // Cells between the planes of neighbouring yarns: in each run quarters of two warps and of two wefts, each along
+        // one piece of its centre line.
+        let start = o + d * entry;
+        let mut number = [self.weft.before(start.x), self.warp.before(start.y)];
+        let seam = SEAM * (self.cell_mm[0] + self.cell_mm[1]);
+        for _ in 0..MAX_CELLS {
+            let walls = [
+                [self.weft.place(number[0]), self.weft.place(number[0] + 1)],
+                [self.warp.place(number[1]), self.warp.place(number[1] + 1)],
+            ];
+            let leave = [0, 1].map(|k| {
+                if d[k] == 0.0 {
+                    f64::INFINITY
+                } else {
+                    (walls[k][usize::from(d[k] > 0.0)] - o[k]) / d[k]
+                }
+            });
+            let axis = usize::from(leave[1] < leave[0]);
+            let end = leave[axis].min(exit);
+            let mut nearest = end + seam;
+            let mut found = None;
+            for (system, along, across) in [(System::Warp, 0, 1), (System::Weft, 1, 0)] {
+                let parallel = self.parallel(system);
+                let n = parallel.tubes.len() as i64;
+                let crossed = self.parallel(system.other()).tubes.len() as i64;
+                let piece = number[along].rem_euclid(crossed) as usize;
+                let direction = local(system, [d.x, d.y, d.z]);
+                for side in 0..2 {
+                    let yarn = number[across] + side as i64;
+                    let index = yarn.rem_euclid(n);
+                    let tube = &parallel.tubes[index as usize];
+                    let from = Local {
+                        x: o[along] - walls[along][0],
+                        u: o[across] - walls[across][side],
+                        z: o.z,
+                    };
+                    let [mut first, mut last] = [entry - seam, nearest];
+                    first = first.max(0.0);
+                    let half = tube.half_width;
+                    clip([-half - from.u, half - from.u], direction.u, &mut first, &mut last);
+                    let [low, high] = tube.heights(piece);
+                    clip([low - from.z, high - from.z], direction.z, &mut first, &mut last);
+                    if first <= last
+                        && let Some(distance) = tube.entry(piece, from, direction, [first, last])
+                    {
+                        nearest = distance;
+                        found = Some(YarnId {
+                            system,
+                            index: index as u32,
+                            lateral: yarn.div_euclid(n),
+                        });
+                    }
+                }
+            }
+            if let Some(yarn) = found {
+                return Some(self.hit(o + d * nearest, nearest, yarn));
+            }
+            if leave[axis] >= exit {
+                return None;
+            }
+            entry = end;
+            number[axis] += if d[axis] > 0.0 { 1 } else { -1 };
+        }
+        None
+    }
+
+    fn hit(&self, near: Vec3, distance_mm: f64, yarn: YarnId) -> TubeHit {
+        let (position, _) = self.surface(yarn.system, near.into());
+        TubeHit {
+            position: position.into(),
+            distance_mm,
+            frame: self.frame(yarn.system, position),
+            yarn,
+        }
+    }
+}
+
+/// Cuts [`first`, `last`] to the distances at which a coordinate that starts at 0 and changes at `rate` lies in
+/// `bounds`.
+#[inline]
+fn clip(bounds: [f64; 2], rate: f64, first: &mut f64, last: &mut f64) {
+    if rate == 0.0 {
+        if bounds[0] > 0.0 || bounds[1] < 0.0 {
+            *last = f64::NEG_INFINITY;
+        }
+        return;
+    }
+    let inverse = 1.0 / rate;
+    let [a, b] = bounds.map(|bound| bound * inverse);
+    *first = first.max(a.min(b));
+    *last = last.min(a.max(b));
+}
