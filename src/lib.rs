@@ -22,4 +22,5 @@ pub mod study;
 pub mod transport;
 pub mod validate;
 pub mod weave;
+pub mod woven;
 pub mod yarn;

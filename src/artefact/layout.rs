@@ -5,7 +5,7 @@ use std::fmt;
 use std::io::{self, Write};
 
 /// Version of the format this program writes, and the only one it reads.
-pub(super) const FORMAT_VERSION: u64 = 2;
+pub(super) const FORMAT_VERSION: u64 = 1;
 
 /// Bytes of the longest line of JSON that is written or read. A file whose line has lost its end is thus told without
 /// taking all of it into memory.

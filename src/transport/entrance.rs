@@ -19,6 +19,8 @@ pub(super) struct Entrance {
     normal: Lanes3,
     omega_in: Lanes3,
     pub entries: [Entry; LANES],
+    /// Which of all paths it is.
+    pub number: [usize; LANES],
     /// Inside.
     pub direction: Lanes3,
     /// Even number for the first flight.
@@ -48,6 +50,7 @@ impl Entrance {
                 normal: Vec3::z(),
                 omega_in: Vec3::z(),
             }; LANES],
+            number: [0; LANES],
             direction: [[0.0; LANES]; 3],
             for_flight: [0.0; LANES],
             reflectance: [0.0; LANES],
@@ -90,6 +93,7 @@ impl Entrance {
         for i in 0..self.ready {
             let mut coordinates = coordinates.map(|numbers| numbers[i]);
             coordinates[0] = (self.begun as f64 + coordinates[0]) / self.paths as f64;
+            self.number[i] = self.begun;
             self.begun += 1;
             let entry = entry(&coordinates);
             for axis in 0..3 {
@@ -107,7 +111,7 @@ impl Entrance {
             let outside = fresnel::interface(cos_in, index);
             let inwards = omega_in.map(|c| -c);
             let direction = refract(inwards, normal, cos_in, outside.cos_t, inverse_index);
-            let distance = shape.distance(position, direction);
+            let distance = shape.distance(position, direction, f64::INFINITY);
             let ahead = distance < FAR_MM;
             let chord = if ahead { distance } else { FAR_MM };
             let there = [

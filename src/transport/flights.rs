@@ -97,14 +97,18 @@ impl Flights {
         }
         let mut distance = [0.0; LANES];
         for (i, distance) in distance.iter_mut().enumerate() {
-            *distance = shape.distance(at(&self.position, i), at(&self.direction, i));
+            *distance = shape.distance(at(&self.position, i), at(&self.direction, i), flight[i]);
         }
         for i in 0..LANES {
             let scatters = flight[i] < distance[i];
             let length = if scatters { flight[i] } else { distance[i] };
             let (p, d) = (at(&self.position, i), at(&self.direction, i));
             let moved = [p[0] + d[0] * length, p[1] + d[1] * length, p[2] + d[2] * length];
-            let [on, normal] = shape.surface(moved, d);
+            let [on, normal] = if S::SIDE_BY_SIDE | !scatters {
+                shape.surface(moved, d)
+            } else {
+                [moved, d]
+            };
             for axis in 0..3 {
                 self.position[axis][i] = if scatters { moved[axis] } else { on[axis] };
                 step.normal[axis][i] = normal[axis];

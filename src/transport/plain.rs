@@ -5,37 +5,41 @@ use super::weights::{EVENTS_AT_MOST, Weights};
 use super::{Interior, Ledger, Roulette};
 
 /// Paths of one wavelength, side by side: the plain walk, whose weights close the ledger to rounding.
-pub(super) struct Plain {
+pub(super) struct Plain<'a> {
+    incident: Option<&'a [f32]>,
     mu_s: f64,
     mu_a: f64,
     crossing: f64,
     /// Of the paths at the entrance: what crosses unscattered, the probability of anything else, and what is then carried.
     waiting_crossing: [f64; LANES],
     waiting_reach: [f64; LANES],
-    waiting_carried: [f64; LANES],
+    waiting_entering: [f64; LANES],
     /// Fraction of its incident flux that each path carries, what it entered with, and events since its last turn at roulette.
     carried: [f64; LANES],
     entered: [f64; LANES],
     events: [u64; LANES],
     /// Sums by lane.
+    reflected: [f64; LANES],
     ballistic: [f64; LANES],
     scattered: [f64; LANES],
     absorbed: [f64; LANES],
     roulette: [f64; LANES],
 }
 
-impl Weights for Plain {
-    fn new(interior: &Interior<'_>) -> Self {
+impl<'a> Weights<'a> for Plain<'a> {
+    fn new(interior: &Interior<'_>, incident: Option<&'a [f32]>) -> Self {
         Self {
+            incident,
             mu_s: 1.0 / interior.mean_free_path()[0],
             mu_a: interior.first_mu_a(),
             crossing: 0.0,
             waiting_crossing: [0.0; LANES],
             waiting_reach: [0.0; LANES],
-            waiting_carried: [0.0; LANES],
+            waiting_entering: [0.0; LANES],
             carried: [0.0; LANES],
             entered: [0.0; LANES],
             events: [0; LANES],
+            reflected: [0.0; LANES],
             ballistic: [0.0; LANES],
             scattered: [0.0; LANES],
             absorbed: [0.0; LANES],
@@ -46,12 +50,14 @@ impl Weights for Plain {
     #[inline(always)]
     fn prepare(&mut self, _: &Interior<'_>, entrance: &Entrance) {
         let waiting = entrance.waiting();
-        for i in 0..LANES {
-            let entering = if i < waiting {
-                1.0 - entrance.reflectance[i]
-            } else {
-                0.0
-            };
+        let mut coming = [0.0; LANES];
+        for (i, coming) in coming.iter_mut().enumerate().take(waiting) {
+            *coming = self.incident.map_or(1.0, |rows| f64::from(rows[entrance.number[i]]));
+        }
+        for (i, &coming) in coming.iter().enumerate() {
+            let reflected = coming * entrance.reflectance[i];
+            let entering = coming - reflected;
+            self.reflected[i] += reflected;
             let (transmittance, chord_mm) = (entrance.transmittance[i], entrance.chord_mm[i]);
             let unscattered = exp(-self.mu_s * chord_mm);
             let straight = entering * transmittance * unscattered;
@@ -60,17 +66,17 @@ impl Weights for Plain {
             let reach = (1.0 - transmittance) + transmittance * (1.0 - unscattered);
             self.waiting_crossing[i] = crossing;
             self.waiting_reach[i] = reach;
-            self.waiting_carried[i] = entering * reach;
+            self.waiting_entering[i] = entering;
             self.ballistic[i] += crossing;
             self.absorbed[i] += straight - crossing;
         }
     }
 
     #[inline(always)]
-    fn begin(&mut self, _: &Interior<'_>, entrance: &Entrance, place: usize, lane: usize, _: usize) -> f64 {
+    fn begin(&mut self, _: &Interior<'_>, _: &Entrance, place: usize, lane: usize, _: usize) -> f64 {
         self.crossing = self.waiting_crossing[place];
-        self.carried[lane] = self.waiting_carried[place];
-        self.entered[lane] = 1.0 - entrance.reflectance[place];
+        self.carried[lane] = self.waiting_entering[place] * self.waiting_reach[place];
+        self.entered[lane] = self.waiting_entering[place];
         self.events[lane] = 0;
         self.waiting_reach[place]
     }
@@ -118,9 +124,9 @@ impl Weights for Plain {
         lanes_where(|lane| self.carried[lane] > 0.0)
     }
 
-    fn ledgers(&self, reflected: f64) -> Vec<Ledger> {
+    fn ledgers(&self) -> Vec<Ledger> {
         vec![Ledger {
-            reflected,
+            reflected: self.reflected.iter().sum(),
             ballistic: self.ballistic.iter().sum(),
             scattered: self.scattered.iter().sum(),
             absorbed: self.absorbed.iter().sum(),

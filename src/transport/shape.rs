@@ -4,9 +4,12 @@ use crate::geometry::{Frame, Vec3};
 /// A body the walk can run in. Points and directions are (x, y, z) components; both functions run over many paths side
 /// by side, so the shapes here have no branch in them.
 pub trait Shape: Sync {
+    /// Whether [`Shape::surface`] is cheaper to work out in every lane than to leave out where it is not needed.
+    const SIDE_BY_SIDE: bool = true;
+
     /// Distance to the surface ahead of a point inside (or on the surface, looking in) along a unit direction, mm;
-    /// infinite if the ray never leaves.
-    fn distance(&self, position: [f64; 3], direction: [f64; 3]) -> f64;
+    /// infinite if the ray never leaves. May be any value of at least `limit_mm` where the surface is no nearer than that.
+    fn distance(&self, position: [f64; 3], direction: [f64; 3], limit_mm: f64) -> f64;
 
     /// Position on the surface, and outward unit normal there, of a point that [`Shape::distance`] along `direction` led to
     /// within rounding.
@@ -57,7 +60,7 @@ impl Cylinder {
 
 impl Shape for Cylinder {
     #[inline(always)]
-    fn distance(&self, [px, _, pz]: [f64; 3], [dx, _, dz]: [f64; 3]) -> f64 {
+    fn distance(&self, [px, _, pz]: [f64; 3], [dx, _, dz]: [f64; 3], _: f64) -> f64 {
         let a = dx * dx + dz * dz;
         let b = px * dx + pz * dz;
         let c = px * px + pz * pz - self.radius_mm * self.radius_mm;
@@ -108,7 +111,7 @@ impl Slab {
 
 impl Shape for Slab {
     #[inline(always)]
-    fn distance(&self, [_, _, z]: [f64; 3], [_, _, dz]: [f64; 3]) -> f64 {
+    fn distance(&self, [_, _, z]: [f64; 3], [_, _, dz]: [f64; 3], _: f64) -> f64 {
         let left = if dz > 0.0 { -z } else { self.thickness_mm + z };
         if dz.abs() > 1e-300 {
             left.max(0.0) / dz.abs()
@@ -130,13 +133,15 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
+    const FAR: f64 = f64::INFINITY;
+
     #[test]
     fn cylinder_chords() {
         let cylinder = Cylinder::new(0.15).unwrap();
         let entry = cylinder.at(0.3);
         let frame = cylinder.frame(&entry);
         let d = frame.to_world(&Vec3::new(0.2, 0.3, -1.0).normalize());
-        let distance = cylinder.distance(entry.into(), d.into());
+        let distance = cylinder.distance(entry.into(), d.into(), FAR);
         let in_plane = d.x * d.x + d.z * d.z;
         assert_relative_eq!(distance, -2.0 * 0.15 * d.dot(&frame.normal) / in_plane, epsilon = 1e-14);
         let there = entry + d * distance;
@@ -147,9 +152,9 @@ mod tests {
             Vec3::new(there.x, 0.0, there.z),
             epsilon = 1e-14
         );
-        let from_inside = cylinder.distance((entry + d * (0.9 * distance)).into(), d.into());
+        let from_inside = cylinder.distance((entry + d * (0.9 * distance)).into(), d.into(), FAR);
         assert_relative_eq!(from_inside, 0.1 * distance, epsilon = 1e-13);
-        assert_eq!(cylinder.distance([0.0; 3], [0.0, 1.0, 0.0]), f64::INFINITY);
+        assert_eq!(cylinder.distance([0.0; 3], [0.0, 1.0, 0.0], FAR), f64::INFINITY);
     }
 
     #[test]
@@ -157,12 +162,12 @@ mod tests {
         let slab = Slab::new(2.0).unwrap();
         let p = [0.0, 0.0, -0.5];
         let (up, down) = ([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);
-        assert_eq!(slab.distance(p, up), 0.5);
-        assert_eq!(slab.distance(p, down), 1.5);
+        assert_eq!(slab.distance(p, up, FAR), 0.5);
+        assert_eq!(slab.distance(p, down, FAR), 1.5);
         assert_eq!(slab.surface([0.1, 0.2, -1.9999], down), [[0.1, 0.2, -2.0], down]);
         assert_eq!(slab.surface([0.1, 0.2, 1e-9], up), [[0.1, 0.2, 0.0], up]);
-        assert_eq!(slab.distance(p, [1.0, 0.0, 0.0]), f64::INFINITY);
-        assert_eq!(Slab::new(f64::INFINITY).unwrap().distance(p, down), f64::INFINITY);
+        assert_eq!(slab.distance(p, [1.0, 0.0, 0.0], FAR), f64::INFINITY);
+        assert_eq!(Slab::new(f64::INFINITY).unwrap().distance(p, down, FAR), f64::INFINITY);
         assert!(Slab::new(0.0).is_err() && Cylinder::new(-1.0).is_err() && Cylinder::new(f64::NAN).is_err());
     }
 }

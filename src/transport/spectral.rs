@@ -10,7 +10,8 @@ use std::ops::{Add, Mul};
 ///
 /// What one path carries is reckoned in single precision, to parts in 10⁶, which is twice the wavelengths in a vector;
 /// sums over paths are in double precision.
-pub(super) struct Spectral {
+pub(super) struct Spectral<'a> {
+    incident: Option<&'a [f32]>,
     wavelengths: usize,
     groups: usize,
     /// In a round of heroes.
@@ -20,12 +21,13 @@ pub(super) struct Spectral {
     /// Turns over P of each lane's wavelengths as heroes, P being the probability to do anything but cross on the first
     /// flight.
     heroes: Vec<Single>,
-    /// exp(−μ_a L) of each lane as last worked out.
+    /// What each lane's path came with, times exp(−μ_a L) as last worked out.
     survived: Vec<Single>,
     /// What each lane carried when last worked out, before anything left.
     carried: Vec<Single>,
     /// What leaves of the path in hand.
     weights: Vec<Double>,
+    reflected: Vec<Double>,
     ballistic: Vec<Double>,
     scattered: Vec<Double>,
     absorbed: Vec<Double>,
@@ -41,11 +43,12 @@ pub(super) struct Spectral {
     scatterings: [u64; LANES],
 }
 
-impl Weights for Spectral {
-    fn new(interior: &Interior<'_>) -> Self {
+impl<'a> Weights<'a> for Spectral<'a> {
+    fn new(interior: &Interior<'_>, incident: Option<&'a [f32]>) -> Self {
         let groups = interior.mu_s().len();
         let sums = || vec![[0.0; GROUP]; groups];
         Self {
+            incident,
             wavelengths: interior.wavelengths(),
             groups,
             turns: interior.heroes().len() as f32,
@@ -54,6 +57,7 @@ impl Weights for Spectral {
             survived: vec![[0.0; GROUP]; groups * LANES],
             carried: vec![[0.0; GROUP]; groups * LANES],
             weights: sums(),
+            reflected: sums(),
             ballistic: sums(),
             scattered: sums(),
             absorbed: sums(),
@@ -77,12 +81,24 @@ impl Weights for Spectral {
         let transmittance = entrance.transmittance[place] as f32;
         let crossing = entering as f32 * transmittance;
         let row = lane * self.groups..(lane + 1) * self.groups;
+        let coming = &mut self.survived[row.clone()];
+        match self.incident {
+            None => coming.copy_from_slice(interior.taken()),
+            Some(rows) => {
+                let first = entrance.number[place] * self.wavelengths;
+                coming.as_flattened_mut()[..self.wavelengths].copy_from_slice(&rows[first..first + self.wavelengths]);
+            }
+        }
         let share = &mut self.share[row.clone()];
         let heroes = &mut self.heroes[row.clone()];
         let mut total = [0.0; GROUP];
+        let mut largest = [0.0; GROUP];
         for (group, as_hero) in heroes.iter_mut().enumerate() {
             let met = losses(interior.mu_s()[group], chord_mm);
-            let straight = scaled(remainder(met), crossing);
+            let straight = product(coming[group], scaled(remainder(met), crossing));
+            let reflected = scaled(double(coming[group]), entrance.reflectance[place]);
+            self.reflected[group] = plus(self.reflected[group], reflected);
+            largest = larger(largest, coming[group]);
             let absorbed = double(product(straight, losses(interior.mu_a()[group], chord_mm)));
             let weights = minus(double(straight), absorbed);
             self.weights[group] = weights;
@@ -94,16 +110,16 @@ impl Weights for Spectral {
         }
         let even = self.turns / sum(total);
         let carried = self.carried[row.clone()].iter_mut().zip(interior.taken());
-        for ((share, (carried, taken)), sharing) in share.iter_mut().zip(carried).zip(&mut self.sharing) {
+        let carried = carried.zip(&*coming);
+        for ((share, ((carried, taken), coming)), sharing) in share.iter_mut().zip(carried).zip(&mut self.sharing) {
             *share = scaled(*taken, even);
-            *carried = scaled(*share, entering as f32);
+            *carried = product(scaled(*share, entering as f32), *coming);
             // The paths' common start is the mean over heroes of what does not cross, and each wavelength has its own.
-            *sharing = plus(*sharing, minus(scaled(double(*taken), entering), double(*carried)));
+            *sharing = plus(*sharing, minus(scaled(double(*coming), entering), double(*carried)));
         }
-        self.survived[row].fill([1.0; GROUP]);
         self.common[lane] = entering;
         self.left[lane] = 1.0;
-        self.entered[lane] = entering;
+        self.entered[lane] = entering * f64::from(top(largest));
         self.since[lane] = 0.0;
         self.scatterings[lane] = 0;
         let turns = f64::from(interior.turns().as_flattened()[hero]);
@@ -186,8 +202,9 @@ impl Weights for Spectral {
         alive
     }
 
-    fn ledgers(&self, reflected: f64) -> Vec<Ledger> {
-        let [ballistic, scattered, absorbed, roulette, sharing] = [
+    fn ledgers(&self) -> Vec<Ledger> {
+        let [reflected, ballistic, scattered, absorbed, roulette, sharing] = [
+            &self.reflected,
             &self.ballistic,
             &self.scattered,
             &self.absorbed,
@@ -197,7 +214,7 @@ impl Weights for Spectral {
         .map(|sums| sums.as_flattened());
         (0..self.wavelengths)
             .map(|w| Ledger {
-                reflected,
+                reflected: reflected[w],
                 ballistic: ballistic[w],
                 scattered: scattered[w],
                 absorbed: absorbed[w],
@@ -208,7 +225,7 @@ impl Weights for Spectral {
     }
 }
 
-impl Spectral {
+impl Spectral<'_> {
     /// Works out what the path carries at each wavelength, counts what was absorbed since the last time and what the balance
     /// gave or took, and returns the largest weight.
     #[inline(always)]

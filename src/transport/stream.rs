@@ -10,6 +10,7 @@ pub enum Purpose {
     Validation = 4,
     Energy = 5,
     Check = 6,
+    Woven = 7,
 }
 
 /// The one source of random numbers: each (seed, purpose, direction, batch, wavelength) has a stream of its own,

@@ -131,10 +131,39 @@ impl<S: Shape> Walk<'_, S> {
         sink: impl FnMut(&Exit<'_>),
     ) -> Traced {
         let (mut entry, mut sink) = (entry, sink);
-        let ends: Ends<'_> = Ends {
-            entry: &mut entry,
-            sink: &mut sink,
-        };
+        self.dispatch(
+            stream,
+            paths,
+            Ends {
+                incident: None,
+                entry: &mut entry,
+                sink: &mut sink,
+            },
+        )
+    }
+
+    /// Traces one path for each row of `incident`, whose weights at the wavelengths of the interior it comes with; every fraction of
+    /// ledger and exits is then of a flux of 1. `entry` is called in the order of the rows.
+    pub fn trace_incident(
+        &self,
+        stream: Xoshiro256PlusPlus,
+        incident: &[f32],
+        entry: impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry,
+        sink: impl FnMut(&Exit<'_>),
+    ) -> Traced {
+        let (mut entry, mut sink) = (entry, sink);
+        self.dispatch(
+            stream,
+            incident.len() / self.interior.wavelengths(),
+            Ends {
+                incident: Some(incident),
+                entry: &mut entry,
+                sink: &mut sink,
+            },
+        )
+    }
+
+    fn dispatch(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Traced {
         #[cfg(target_arch = "x86_64")]
         {
             if is_x86_feature_detected!("avx512f")
@@ -170,15 +199,16 @@ impl<S: Shape> Walk<'_, S> {
     #[inline(always)]
     fn trace_lanes(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Traced {
         if self.interior.wavelengths() == 1 {
-            State::<S, Plain>::new(self, stream, paths, ends).run()
+            State::<S, Plain<'_>>::new(self, stream, paths, ends).run()
         } else {
-            State::<S, Spectral>::new(self, stream, paths, ends).run()
+            State::<S, Spectral<'_>>::new(self, stream, paths, ends).run()
         }
     }
 }
 
 /// Where paths come from and where their exits go. Not generic, so that the kernel is compiled once for all tallies.
 struct Ends<'a> {
+    incident: Option<&'a [f32]>,
     entry: &'a mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry,
     sink: &'a mut dyn FnMut(&Exit<'_>),
 }
@@ -194,12 +224,11 @@ struct State<'a, 'e, S, W> {
     paths_of_turn: usize,
     flights: Flights,
     weights: W,
-    reflected: f64,
     scatterings: u64,
     entries: [Entry; LANES],
 }
 
-impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
+impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
     #[inline(always)]
     fn new(walk: &'a Walk<'a, S>, mut stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'e>) -> Self {
         let (lanes, entering) = (LaneStream::open(&mut stream), LaneStream::open(&mut stream));
@@ -211,14 +240,13 @@ impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
         };
         Self {
             walk,
-            ends,
             entrance: Entrance::new(entering, paths),
             flights: Flights::new(lanes),
             next_turn,
             paths_of_a_turn: (paths / (ROUNDS * walk.interior.heroes().len())).clamp(1, PATHS_OF_A_TURN),
             paths_of_turn: 0,
-            weights: W::new(walk.interior),
-            reflected: 0.0,
+            weights: W::new(walk.interior, ends.incident),
+            ends,
             scatterings: 0,
             entries: [nowhere; LANES],
         }
@@ -241,7 +269,7 @@ impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
             self.flights.turn(&step);
         }
         Traced {
-            ledgers: self.weights.ledgers(self.reflected),
+            ledgers: self.weights.ledgers(),
             scatterings: self.scatterings,
         }
     }
@@ -280,11 +308,10 @@ impl<'a, 'e, S: Shape, W: Weights> State<'a, 'e, S, W> {
             };
         }
         let of = &self.entrance;
-        self.reflected += of.reflectance[place];
+        let reach = self.weights.begin(interior, of, place, lane, hero);
         if of.reflectance[place] >= 1.0 {
             return;
         }
-        let reach = self.weights.begin(interior, of, place, lane, hero);
         self.entries[lane] = of.entries[place];
         if of.transmittance[place] > 0.0 {
             (self.ends.sink)(&Exit {
@@ -386,6 +413,7 @@ mod tests {
             bits.extend(numbers.map(|x| x.to_bits()));
         };
         let ends = Ends {
+            incident: None,
             entry: &mut entry,
             sink: &mut sink,
         };
@@ -396,12 +424,39 @@ mod tests {
         bits
     }
 
+    /// Paths that come with weights of 1 are those of a flux of 1, bit by bit; with others what they came with is all
+    /// accounted for, at each wavelength.
+    #[test]
+    fn incident_weights_are_carried_through() {
+        const PATHS: usize = 300;
+        for wavelengths in [1, 3] {
+            let plain = traced(wavelengths, |walk, stream, Ends { entry, sink, .. }| {
+                walk.trace(stream, PATHS, entry, sink)
+            });
+            let ones = vec![1.0; PATHS * wavelengths];
+            let incident = traced(wavelengths, |walk, stream, Ends { entry, sink, .. }| {
+                walk.trace_incident(stream, &ones, entry, sink)
+            });
+            assert!(plain == incident);
+            let rows: Vec<f32> = (0..PATHS * wavelengths).map(|i| (i % 7) as f32 * 0.25).collect();
+            traced(wavelengths, |walk, stream, Ends { entry, sink, .. }| {
+                let traced = walk.trace_incident(stream, &rows, entry, sink);
+                for (w, ledger) in traced.ledgers.iter().enumerate() {
+                    let came: f32 = rows.iter().skip(w).step_by(wavelengths).sum();
+                    let accounted: f64 = ledger.fractions().iter().sum();
+                    assert!((accounted - f64::from(came)).abs() < 1e-9, "{accounted} of {came}");
+                }
+                traced
+            });
+        }
+    }
+
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
         const PATHS: usize = 500;
         for wavelengths in [1, 3] {
             let portable = traced(wavelengths, |walk, stream, ends| walk.trace_lanes(stream, PATHS, ends));
-            let detected = traced(wavelengths, |walk, stream, Ends { entry, sink }| {
+            let detected = traced(wavelengths, |walk, stream, Ends { entry, sink, .. }| {
                 walk.trace(stream, PATHS, entry, sink)
             });
             assert!(portable.len() > 500 && portable == detected);

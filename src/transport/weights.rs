@@ -3,8 +3,9 @@ use super::flights::{Flights, Mask, Step};
 use super::{Interior, Ledger, Roulette};
 
 /// What the paths under way carry, and the sums of what became of it.
-pub(super) trait Weights {
-    fn new(interior: &Interior<'_>) -> Self;
+pub(super) trait Weights<'a> {
+    /// Every path comes with a weight of 1 at every wavelength, or with the row of `incident` that has its number.
+    fn new(interior: &Interior<'_>, incident: Option<&'a [f32]>) -> Self;
 
     /// Looks at the paths that wait at the entrance.
     fn prepare(&mut self, interior: &Interior<'_>, entrance: &Entrance);
@@ -28,8 +29,8 @@ pub(super) trait Weights {
         tell: impl FnMut(usize, &[f64]),
     ) -> Mask;
 
-    /// Sums over all paths, of each wavelength. `reflected` on the way in.
-    fn ledgers(&self, reflected: f64) -> Vec<Ledger>;
+    /// Sums over all paths, of each wavelength.
+    fn ledgers(&self) -> Vec<Ledger>;
 }
 
 /// Reflections in a row, with no particle between them, after which roulette is played whatever the weight. Light that

@@ -1,0 +1,133 @@
+use super::air::{Air, Queue};
+use super::{Beam, ClothBatch, Detector};
+use crate::cloth::{System, Tubes};
+use crate::geometry::Vec3;
+use crate::optics::fresnel;
+use crate::transport::{Entry, Interior, Purpose, Roulette, Shape, Stream, Walk};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::cell::RefCell;
+
+/// The yarns of one system as a body: a point in one of them is in it until it leaves that one.
+#[derive(Clone, Copy, Debug)]
+pub struct Inside<'a> {
+    pub tubes: &'a Tubes,
+    pub system: System,
+}
+
+impl Shape for Inside<'_> {
+    const SIDE_BY_SIDE: bool = false;
+
+    fn distance(&self, position: [f64; 3], direction: [f64; 3], limit_mm: f64) -> f64 {
+        self.tubes.inside_distance(self.system, position, direction, limit_mm)
+    }
+
+    fn surface(&self, position: [f64; 3], _: [f64; 3]) -> [[f64; 3]; 2] {
+        let (on_surface, normal) = self.tubes.surface(self.system, position);
+        [on_surface, normal]
+    }
+}
+
+/// Light traced through the medium of every yarn it meets: refraction at each surface, scattering inside, and on to the
+/// next yarn, with no radiance factor between. The kernel is that of a single yarn.
+#[derive(Clone, Copy, Debug)]
+pub struct Volumetric<'a> {
+    pub tubes: &'a Tubes,
+    /// Media of warp and weft, with the same wavelengths.
+    pub interiors: [&'a Interior<'a>; 2],
+    pub roulette: Roulette,
+    /// Whether light that the yarns' smooth surface reflects on its way in goes on. If not, it counts as absorbed, which is
+    /// the cloth of f* without gloss.
+    pub surface_reflection: bool,
+    pub seed: u64,
+}
+
+/// Streams of one batch: the air's, then one for each walk.
+const STREAMS_OF_WAVELENGTH: usize = 1 << 24;
+
+impl Volumetric<'_> {
+    /// Batch number `batch` of `particles` particles. `first` is the number of the first of the interiors' wavelengths in the
+    /// study's grid.
+    pub fn batch<D: Detector>(
+        &self,
+        beam: &Beam,
+        detector: &D,
+        first: usize,
+        batch: usize,
+        particles: usize,
+    ) -> ClothBatch {
+        let mut stream_number = first * STREAMS_OF_WAVELENGTH;
+        let mut next = || {
+            stream_number += 1;
+            Stream::open(self.seed, Purpose::Woven, beam.number, batch, stream_number)
+        };
+        let wavelengths = self.interiors[0].wavelengths();
+        let air = RefCell::new(Air::new(self.tubes, detector, next(), wavelengths));
+        air.borrow_mut().shine(&beam.omega_in, particles);
+        while !air.borrow().is_empty() {
+            for (system, interior) in [System::Warp, System::Weft].into_iter().zip(self.interiors) {
+                let waiting = air.borrow_mut().take(system);
+                self.through(system, interior, waiting, &air, next());
+            }
+        }
+        air.into_inner().batch(particles)
+    }
+
+    /// Takes what waits at the yarns of a system through them.
+    fn through<D: Detector>(
+        &self,
+        system: System,
+        interior: &Interior<'_>,
+        waiting: Queue,
+        air: &RefCell<Air<'_, D, Xoshiro256PlusPlus>>,
+        stream: Xoshiro256PlusPlus,
+    ) {
+        let wavelengths = interior.wavelengths();
+        let walk = Walk {
+            shape: &Inside {
+                tubes: self.tubes,
+                system,
+            },
+            interior,
+            roulette: self.roulette,
+        };
+        let mut coming = waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths));
+        let mut mirrored = vec![0.0; wavelengths];
+        let traced = walk.trace_incident(
+            stream,
+            &waiting.weights,
+            |_| {
+                let Some((arrival, weights)) = coming.next() else {
+                    return NOWHERE;
+                };
+                let (normal, omega_in) = (arrival.hit.frame.normal, arrival.omega_in);
+                let cos_in = normal.dot(&omega_in).clamp(0.0, 1.0);
+                if self.surface_reflection {
+                    let reflectance = fresnel::reflectance(cos_in, interior.index());
+                    for (mirrored, weight) in mirrored.iter_mut().zip(weights) {
+                        *mirrored = reflectance * f64::from(*weight);
+                    }
+                    let direction = normal * (2.0 * cos_in) - omega_in;
+                    air.borrow_mut().launch(arrival.hit.position, direction, &mirrored);
+                }
+                Entry {
+                    position: arrival.hit.position,
+                    normal,
+                    omega_in,
+                }
+            },
+            |exit| air.borrow_mut().launch(exit.position, exit.direction, exit.weights),
+        );
+        let kept = traced.ledgers.iter().map(|ledger| {
+            let mirrored = if self.surface_reflection { 0.0 } else { ledger.reflected };
+            [ledger.absorbed + mirrored, ledger.games()]
+        });
+        air.borrow_mut().keep(kept);
+    }
+}
+
+/// There are as many entries as paths; this one is never asked for.
+const NOWHERE: Entry = Entry {
+    position: Vec3::new(0.0, 0.0, 0.0),
+    normal: Vec3::new(0.0, 0.0, 1.0),
+    omega_in: Vec3::new(0.0, 0.0, 1.0),
+};
