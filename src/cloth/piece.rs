@@ -127,67 +127,135 @@ struct Wave {
 impl Wave {
     fn offset(self, d: f64, z: f64) -> Offset {
         let Self { amplitude, k } = self;
-        let (sin, cos) = (k * d).sin_cos();
-        let near = self.foot(d, z, d, (sin, cos));
+        let start = WaveFoot::at(k, d);
+        let near = self.settled(d, z, start);
         // A foot farther than the point straight above or below is that of another branch, past the evolute.
-        if near.v.abs() <= (z - amplitude * cos).abs() * (1.0 + 1e-12) && near.v.abs() * amplitude.abs() * k * k < 1.0 {
+        if near.v.abs() <= (z - amplitude * start.cos).abs() * (1.0 + 1e-12)
+            && near.v.abs() * amplitude.abs() * k * k < 1.0
+        {
             return near;
         }
         const STARTS: u32 = 16;
         (0..=STARTS).fold(near, |best, n| {
-            let start = PI / k * f64::from(n) / f64::from(STARTS);
-            let found = self.foot(d, z, start, (k * start).sin_cos());
+            let found = self.settled(d, z, WaveFoot::at(k, PI / k * f64::from(n) / f64::from(STARTS)));
             if found.v.abs() < best.v.abs() { found } else { best }
         })
     }
 
-    /// The foot of a perpendicular near `start`, whose sine and cosine are given: Newton's method on
-    /// (s − d) + y'(y − z) = 0, kept in a bracket, since the line is level at both ends of the piece.
-    fn foot(self, d: f64, z: f64, start: f64, (mut sin, mut cos): (f64, f64)) -> Offset {
-        let Self { amplitude, k } = self;
-        let width = PI / k;
-        let (mut low, mut high) = (d.min(0.0), d.max(width));
-        let mut s = start;
-        for n in 0..64 {
-            let (y, slope) = (amplitude * cos, -amplitude * k * sin);
-            let value = (s - d) + slope * (y - z);
-            if value < 0.0 {
-                low = low.max(s)
-            } else {
-                high = high.min(s)
-            }
-            // The first step leaves out the curvature: it cannot go wrong far from the line.
-            let bend = if n == 0 { 0.0 } else { -k * k * y * (y - z) };
-            let mut step = -value / (1.0 + slope * slope + bend);
-            if !(low..=high).contains(&(s + step)) || 1.0 + slope * slope + bend <= 0.0 {
-                step = 0.5 * (low + high) - s;
-            }
-            s += step;
-            let turn = k * step;
-            (sin, cos) = if turn.abs() < 0.02 {
-                turned(sin, cos, turn)
-            } else {
-                (k * s).sin_cos()
-            };
+    /// The foot of a perpendicular near `foot`, to rounding.
+    fn settled(self, d: f64, z: f64, mut foot: WaveFoot) -> Offset {
+        let mut bracket = [d.min(0.0), d.max(PI / self.k)];
+        for _ in 0..64 {
             // Convergence is quadratic: the error left is the square of this step.
-            if turn.abs() < 1e-8 {
+            if self.approach(d, z, &mut foot, &mut bracket) < 1e-8 {
                 break;
             }
         }
-        let slope = -amplitude * k * sin;
+        self.offset_at(d, z, &foot)
+    }
+
+    /// One step of Newton's method on (s − d) + y'(y − z) = 0 for the foot s, kept in a bracket, since the line is level
+    /// at both ends of the piece. Returns by how much the phase k s moved.
+    #[inline]
+    fn approach(self, d: f64, z: f64, foot: &mut WaveFoot, bracket: &mut [f64; 2]) -> f64 {
+        let Self { amplitude, k } = self;
+        let (y, slope) = (amplitude * foot.cos, -amplitude * k * foot.sin);
+        let value = (foot.s - d) + slope * (y - z);
+        if value < 0.0 {
+            bracket[0] = bracket[0].max(foot.s)
+        } else {
+            bracket[1] = bracket[1].min(foot.s)
+        }
+        let tangent = 1.0 + slope * slope;
+        // Far on the hollow side the line bends faster than the point sees it.
+        let rate = (tangent - k * k * y * (y - z)).max(0.25 * tangent);
+        let mut step = -value / rate;
+        if !(bracket[0]..=bracket[1]).contains(&(foot.s + step)) {
+            step = 0.5 * (bracket[0] + bracket[1]) - foot.s;
+        }
+        foot.turn(k, step);
+        (k * step).abs()
+    }
+
+    #[inline]
+    fn offset_at(self, d: f64, z: f64, foot: &WaveFoot) -> Offset {
+        let slope = -self.amplitude * self.k * foot.sin;
         let scale = 1.0 / (1.0 + slope * slope).sqrt();
         let normal = [-slope * scale, scale];
         Offset {
-            v: (d - s) * normal[0] + (z - amplitude * cos) * normal[1],
+            v: (d - foot.s) * normal[0] + (z - self.amplitude * foot.cos) * normal[1],
             normal,
         }
     }
 }
 
-/// Sine and cosine after a turn below 0.02 rad, by series whose remainder is below 1e-16.
-fn turned(sin: f64, cos: f64, turn: f64) -> (f64, f64) {
-    let square = turn * turn;
-    let sine = turn * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0)));
-    let cosine = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0));
-    (sin * cosine + cos * sine, cos * cosine - sin * sine)
+/// A place along a wave, with the sine and cosine of its phase.
+#[derive(Clone, Copy, Debug)]
+struct WaveFoot {
+    s: f64,
+    sin: f64,
+    cos: f64,
+}
+
+impl WaveFoot {
+    #[inline]
+    fn at(k: f64, s: f64) -> Self {
+        let (sin, cos) = (k * s).sin_cos();
+        Self { s, sin, cos }
+    }
+
+    /// Moves on; by a small phase with series whose remainder is below 1e-16.
+    #[inline]
+    fn turn(&mut self, k: f64, step: f64) {
+        let turn = k * step;
+        if turn.abs() > 0.25 {
+            *self = Self::at(k, self.s + step);
+            return;
+        }
+        let q = turn * turn;
+        let sine = turn * (1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0 * (1.0 - q / 110.0)))));
+        let cosine = 1.0
+            - q / 2.0 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0 * (1.0 - q / 90.0 * (1.0 - q / 132.0)))));
+        *self = Self {
+            s: self.s + step,
+            sin: self.sin * cosine + self.cos * sine,
+            cos: self.cos * cosine - self.sin * sine,
+        };
+    }
+}
+
+/// A ray's memory of the foot on the piece it runs under.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Memory(Option<WaveFoot>);
+
+/// A point of a piece near another point: the vector from it, and whether it is the nearest one to rounding.
+pub(super) struct Near {
+    pub away: [f64; 2],
+    pub settled: bool,
+}
+
+impl Piece {
+    /// A point of the piece near (d, z), nearer to the nearest one the more often it is asked for along a ray.
+    #[inline]
+    pub fn near(&self, d: f64, z: f64, memory: &mut Memory) -> Near {
+        if let Self::Wave { mean, amplitude, k } = *self {
+            let (wave, z) = (Wave { amplitude, k }, z - mean);
+            let foot = memory.0.get_or_insert_with(|| WaveFoot::at(k, d));
+            let mut bracket = [d.min(0.0), d.max(PI / k)];
+            let mut moved = wave.approach(d, z, foot, &mut bracket);
+            if moved > 0.01 {
+                moved = wave.approach(d, z, foot, &mut bracket);
+            }
+            return Near {
+                away: [d - foot.s, z - amplitude * foot.cos],
+                // The distance is off by the fourth power of the last step.
+                settled: moved < 1e-4,
+            };
+        }
+        let Offset { v, normal } = self.offset(d, z);
+        Near {
+            away: [v * normal[0], v * normal[1]],
+            settled: true,
+        }
+    }
 }
