@@ -267,7 +267,8 @@ fn the_mesh_agrees_within_its_facets() {
             // In the hollow of a bend facets stand out of the yarn.
             assert!(deep.abs() < sagitta, "{deep} {sagitta}");
             assert!((faceted.frame.normal - smooth.frame.normal).norm() < 0.02 / facing);
-            assert!((faceted.frame.axis - smooth.frame.axis).norm() < 0.02 / facing);
+            // The axis turns by up to 0.08 from ring to ring.
+            assert!((faceted.frame.axis - smooth.frame.axis).norm() < 0.03 / facing);
         }
         assert!(compared > 5000 && other < 20, "{compared} {other}");
     }

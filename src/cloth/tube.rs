@@ -1,3 +1,4 @@
+use super::layout::Yarn;
 use super::piece::{Memory, Offset, Piece};
 
 /// Steps of a search after which a ray counts as one that never reaches the surface.
@@ -56,7 +57,9 @@ impl Local {
 }
 
 impl Tube {
-    pub fn new(half_width: f64, half_height: f64, knots: Vec<f64>, pieces: Vec<Piece>) -> Self {
+    pub fn new(yarn: &Yarn) -> Self {
+        let (half_width, half_height) = (yarn.half_width_mm, yarn.half_height_mm);
+        let (knots, pieces) = yarn.line.pieces();
         Self {
             half_width,
             half_height,
@@ -261,6 +264,22 @@ impl Tube {
                 u: 0.0,
                 z: -normal[0],
             },
+        }
+    }
+
+    /// Distance from a point to the surface to first order, negative inside, exact at the surface and for a circular
+    /// section.
+    pub fn signed_distance(&self, at: Local) -> f64 {
+        let (k, d) = self.locate(at.x);
+        let v = self.pieces[k].offset(d, at.z).v;
+        let (p, q) = (at.u * self.inverse_a2, v * self.inverse_b2);
+        let section = (at.u * p + v * q).sqrt();
+        // At the centre line itself the smaller half axis is left.
+        let gradient = (p * p + q * q).sqrt() / section;
+        if section > 1e-9 {
+            (section - 1.0) / gradient
+        } else {
+            -self.half_width.min(self.half_height)
         }
     }
 

@@ -1,5 +1,6 @@
+use super::layout::Layout;
 use super::tube::{Local, Skin, Tube, floor};
-use super::{ClothError, ClothSpec, System, YarnId, scene};
+use super::{ClothError, ClothSpec, System, YarnId};
 use crate::geometry::{Frame, Vec3};
 
 /// A ray in the cloth's plane may run for ever through a channel of the weave. After this many cells between crossings
@@ -100,7 +101,7 @@ impl Parallel {
             index: 0,
             cell: repeats as i64,
         };
-        if self.place(yarn) > across {
+        while self.place(yarn) > across {
             yarn = self.previous(yarn);
         }
         while self.place(self.next(yarn)) <= across {
@@ -151,33 +152,17 @@ fn world(system: System, Local { x, u, z }: Local) -> [f64; 3] {
 impl Tubes {
     /// Errors: those of [`super::Cloth::new`] but for the number of facets.
     pub fn new(spec: &ClothSpec) -> Result<Self, ClothError> {
-        let [warps, wefts] = scene::centre_lines_of(spec)?;
-        let cell_mm = [
-            wefts.len() as f64 * spec.weft_spacing_mm,
-            warps.len() as f64 * spec.warp_spacing_mm,
-        ];
-        let parallel = |system: System, lines: &[super::CentreLine], repeat: f64| {
-            let places = (0..lines.len())
-                .map(|k| (k as f64 + 0.5) * spec.spacing_mm(system))
-                .collect();
-            let radius = spec.radius_mm(system);
-            let tubes = lines
-                .iter()
-                .map(|line| {
-                    let (knots, pieces) = line.pieces();
-                    Tube::new(radius, radius, knots, pieces)
-                })
-                .collect();
-            Parallel::new(tubes, places, repeat)
+        let layout = Layout::new(spec)?;
+        let parallel = |system, repeat| {
+            let yarns = layout.yarns(system);
+            let places = yarns.iter().map(|yarn| yarn.place_mm).collect();
+            Parallel::new(yarns.iter().map(Tube::new).collect(), places, repeat)
         };
-        let warp = parallel(System::Warp, &warps, cell_mm[1]);
-        let weft = parallel(System::Weft, &wefts, cell_mm[0]);
-        let top_mm = (warps[0].crest_mm() + spec.warp_radius_mm).max(wefts[0].crest_mm() + spec.weft_radius_mm);
         Ok(Self {
-            warp,
-            weft,
-            cell_mm,
-            top_mm,
+            warp: parallel(System::Warp, layout.cell_mm[1]),
+            weft: parallel(System::Weft, layout.cell_mm[0]),
+            cell_mm: layout.cell_mm,
+            top_mm: layout.top_mm(),
         })
     }
 
