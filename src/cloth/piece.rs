@@ -77,21 +77,10 @@ impl Piece {
                     normal: [sign * normal[0], normal[1]],
                 }
             }
-            Self::Wave { mean, amplitude, k } => Wave { amplitude, k }.offset(d, z - mean),
-        }
-    }
-
-    /// A cheap lower bound of the distance, where the shape has one.
-    #[inline]
-    pub fn at_least(&self, d: f64, z: f64) -> Option<f64> {
-        match *self {
             Self::Wave { mean, amplitude, k } => {
-                // The line is steeper than its slope at the middle nowhere.
-                let slope = amplitude * k;
-                let vertical = z - mean - amplitude * (k * d).cos();
-                Some((vertical * vertical / (1.0 + slope * slope)).sqrt())
+                let below = WaveFoot::at(k, d);
+                Wave { amplitude, k }.offset(d, z - mean, below, &mut { below }, 1e-8)
             }
-            _ => None,
         }
     }
 
@@ -125,33 +114,40 @@ struct Wave {
 }
 
 impl Wave {
-    fn offset(self, d: f64, z: f64) -> Offset {
+    /// Distance of a point from the wave, whose point straight above or below it is `below`; `foot` is a guess of the
+    /// nearest point, and then that point. Newton's method ends after a step of less than `last` in phase: its
+    /// convergence is quadratic, so the error left in the phase is the square of that.
+    fn offset(self, d: f64, z: f64, below: WaveFoot, foot: &mut WaveFoot, last: f64) -> Offset {
         let Self { amplitude, k } = self;
-        let start = WaveFoot::at(k, d);
-        let near = self.settled(d, z, start);
+        let near = self.settled(d, z, foot, last);
         // A foot farther than the point straight above or below is that of another branch, past the evolute.
-        if near.v.abs() <= (z - amplitude * start.cos).abs() * (1.0 + 1e-12)
+        if near.v.abs() <= (z - amplitude * below.cos).abs() * (1.0 + 1e-12)
             && near.v.abs() * amplitude.abs() * k * k < 1.0
         {
             return near;
         }
         const STARTS: u32 = 16;
         (0..=STARTS).fold(near, |best, n| {
-            let found = self.settled(d, z, WaveFoot::at(k, PI / k * f64::from(n) / f64::from(STARTS)));
-            if found.v.abs() < best.v.abs() { found } else { best }
+            let mut start = WaveFoot::at(k, PI / k * f64::from(n) / f64::from(STARTS));
+            let found = self.settled(d, z, &mut start, last);
+            if found.v.abs() < best.v.abs() {
+                *foot = start;
+                found
+            } else {
+                best
+            }
         })
     }
 
-    /// The foot of a perpendicular near `foot`, to rounding.
-    fn settled(self, d: f64, z: f64, mut foot: WaveFoot) -> Offset {
+    /// The foot of a perpendicular near `foot`.
+    fn settled(self, d: f64, z: f64, foot: &mut WaveFoot, last: f64) -> Offset {
         let mut bracket = [d.min(0.0), d.max(PI / self.k)];
         for _ in 0..64 {
-            // Convergence is quadratic: the error left is the square of this step.
-            if self.approach(d, z, &mut foot, &mut bracket) < 1e-8 {
+            if self.approach(d, z, foot, &mut bracket) < last {
                 break;
             }
         }
-        self.offset_at(d, z, &foot)
+        self.offset_at(d, z, foot)
     }
 
     /// One step of Newton's method on (s − d) + y'(y − z) = 0 for the foot s, kept in a bracket, since the line is level
@@ -224,9 +220,12 @@ impl WaveFoot {
     }
 }
 
-/// A ray's memory of the foot on the piece it runs under.
+/// What a ray remembers of the piece it runs along: the point straight above or below, and the nearest one.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Memory(Option<WaveFoot>);
+pub(super) struct Memory {
+    below: Option<WaveFoot>,
+    foot: Option<WaveFoot>,
+}
 
 /// A point of a piece near another point: the vector from it, and whether it is the nearest one to rounding.
 pub(super) struct Near {
@@ -234,28 +233,79 @@ pub(super) struct Near {
     pub settled: bool,
 }
 
+/// A piece seen from a point.
+pub(super) enum Seen {
+    /// A lower bound of the distance.
+    AtLeast(f64),
+    Offset(Offset),
+}
+
 impl Piece {
     /// A point of the piece near (d, z), nearer to the nearest one the more often it is asked for along a ray.
     #[inline]
     pub fn near(&self, d: f64, z: f64, memory: &mut Memory) -> Near {
-        if let Self::Wave { mean, amplitude, k } = *self {
-            let (wave, z) = (Wave { amplitude, k }, z - mean);
-            let foot = memory.0.get_or_insert_with(|| WaveFoot::at(k, d));
-            let mut bracket = [d.min(0.0), d.max(PI / k)];
-            let mut moved = wave.approach(d, z, foot, &mut bracket);
-            if moved > 0.01 {
-                moved = wave.approach(d, z, foot, &mut bracket);
+        let away = match *self {
+            Self::Flat { height } => [0.0, z - height],
+            Self::Arcs {
+                sign,
+                width,
+                z1,
+                r1,
+                z2,
+                r2,
+                sin,
+                cos,
+                w,
+            } => {
+                let z = sign * z;
+                let past_second = d - width;
+                let [x_away, z_away] = if d * cos < (z - z1) * sin {
+                    let share = 1.0 - r1 / (d * d + (z - z1) * (z - z1)).sqrt();
+                    [share * d, share * (z - z1)]
+                } else if past_second * cos > (z - z2) * sin {
+                    let share = 1.0 - r2 / (past_second * past_second + (z - z2) * (z - z2)).sqrt();
+                    [share * past_second, share * (z - z2)]
+                } else {
+                    let v = d * sin + z * cos - w;
+                    [v * sin, v * cos]
+                };
+                [x_away, sign * z_away]
             }
-            return Near {
-                away: [d - foot.s, z - amplitude * foot.cos],
-                // The distance is off by the fourth power of the last step.
-                settled: moved < 1e-4,
-            };
+            Self::Wave { mean, amplitude, k } => {
+                let (wave, z) = (Wave { amplitude, k }, z - mean);
+                let foot = memory.foot.get_or_insert_with(|| WaveFoot::at(k, d));
+                let mut bracket = [d.min(0.0), d.max(PI / k)];
+                let mut moved = wave.approach(d, z, foot, &mut bracket);
+                if moved > 0.01 {
+                    moved = wave.approach(d, z, foot, &mut bracket);
+                }
+                return Near {
+                    away: [d - foot.s, z - amplitude * foot.cos],
+                    // The distance is off by the fourth power of the last step.
+                    settled: moved < 1e-4,
+                };
+            }
+        };
+        Near { away, settled: true }
+    }
+
+    /// The distance of a point of a ray from the piece, or a cheap lower bound that exceeds `far`.
+    #[inline]
+    pub fn seen(&self, d: f64, z: f64, far: f64, memory: &mut Memory) -> Seen {
+        let Self::Wave { mean, amplitude, k } = *self else {
+            return Seen::Offset(self.offset(d, z));
+        };
+        let z = z - mean;
+        let below = memory.below.get_or_insert_with(|| WaveFoot::at(k, d));
+        below.turn(k, d - below.s);
+        // Nowhere is the line steeper than at its middle.
+        let vertical = z - amplitude * below.cos;
+        let least_squared = vertical * vertical / (1.0 + amplitude * amplitude * k * k);
+        if least_squared > far * far {
+            return Seen::AtLeast(least_squared.sqrt());
         }
-        let Offset { v, normal } = self.offset(d, z);
-        Near {
-            away: [v * normal[0], v * normal[1]],
-            settled: true,
-        }
+        let below = *below;
+        let foot = memory.foot.get_or_insert(below);
+        Seen::Offset(Wave { amplitude, k }.offset(d, z, below, foot, 1e-5))
     }
 }

@@ -1,11 +1,14 @@
 use super::layout::Yarn;
-use super::piece::{Memory, Offset, Piece};
+use super::piece::{Memory, Offset, Piece, Seen};
 
 /// Steps of a search after which a ray counts as one that never reaches the surface.
 const MAX_STEPS: usize = 256;
 
 /// Value of F, up to rounding the distance from the surface in half axes, that counts as on the surface.
 const ON_SURFACE: f64 = 1e-13;
+
+/// Value of −F from which one step ends a search, unless the ray grazes.
+const LAST_STEP: f64 = 1e-8;
 
 /// First step, in half heights, of a ray that starts on the surface: past what rounding can hold there.
 const LEAVE: f64 = 1e-9;
@@ -140,20 +143,20 @@ impl Tube {
         let (mut u, mut z) = (from.u, from.z);
         let mut memory = Memory::default();
         let mut distance = 0.0;
-        for n in 0..MAX_STEPS {
+        for _ in 0..MAX_STEPS {
             let near = self.pieces[k].near(d, z, &mut memory);
             let [x_away, z_away] = near.away;
             let f = u * u * self.inverse_a2 + (x_away * x_away + z_away * z_away) * self.inverse_b2 - 1.0;
             let slope = u * along.u * self.inverse_a2 + (x_away * along.x + z_away * along.z) * self.inverse_b2;
-            if !near.settled && (n == 0 || f > -0.01) && distance < limit {
-                // The circle around this point of the line may not hold the ray's yet.
+            if !near.settled && f > -0.01 {
+                // The circle around this point of the line need not hold the ray's point yet.
                 let rest = limit - distance;
                 if f < 0.0 && f + rest * (2.0 * slope + bend * rest) < 0.0 {
                     return limit;
                 }
                 continue;
             }
-            if n > 0 && f > -ON_SURFACE && distance > 0.0 {
+            if f > -ON_SURFACE && distance > 0.0 {
                 // What is left is below rounding unless the ray grazes.
                 return distance + if slope > 0.0 { (-0.5 * f / slope).max(0.0) } else { 0.0 };
             }
@@ -194,21 +197,22 @@ impl Tube {
         let sideways = along.u * along.u * self.inverse_a2;
         let in_plane = along.x * along.x + along.z * along.z;
         let speed = in_plane.sqrt();
+        let mut memory = Memory::default();
         let mut distance = range[0];
         for _ in 0..MAX_STEPS {
             if distance > range[1] {
                 return None;
             }
             let at = from.moved(along, distance);
-            if let Some(least) = piece.at_least(at.x, at.z)
-                && least > 1.25 * self.half_height
-            {
-                // √(F + 1) changes by at most √(M / 2) per unit of distance.
-                let section = (at.u * at.u * self.inverse_a2 + least * least * self.inverse_b2).sqrt();
-                distance += (section - 1.0) / steepest;
-                continue;
-            }
-            let offset = piece.offset(at.x, at.z);
+            let offset = match piece.seen(at.x, at.z, 1.25 * self.half_height, &mut memory) {
+                Seen::Offset(offset) => offset,
+                Seen::AtLeast(least) => {
+                    // √(F + 1) changes by at most √(M / 2) per unit of distance.
+                    let section = (at.u * at.u * self.inverse_a2 + least * least * self.inverse_b2).sqrt();
+                    distance += (section - 1.0) / steepest;
+                    continue;
+                }
+            };
             let (f, slope) = self.value(offset, at.u, along);
             if f <= ON_SURFACE && slope < 0.0 {
                 return Some(distance);
