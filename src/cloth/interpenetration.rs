@@ -79,17 +79,18 @@ fn check_neighbours(spec: &ClothSpec, system: System, layout: &Layout) -> Result
 }
 
 fn check_crossings(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> {
-    let wefts: Vec<Tube> = layout.wefts.iter().map(Tube::new).collect();
-    for (j, warp) in layout.warps.iter().enumerate() {
-        // Without variation every repeat of the draft is the first again.
-        let draft = spec.weave.draft();
-        if !spec.is_varied() && j >= draft.yarns(System::Warp) {
-            break;
+    let draft = spec.weave.draft();
+    // Without variation every repeat of the draft is the first again.
+    let different = |system| {
+        if spec.is_varied() {
+            usize::MAX
+        } else {
+            draft.yarns(system)
         }
-        for (i, weft) in layout.wefts.iter().enumerate() {
-            if !spec.is_varied() && i >= draft.yarns(System::Weft) {
-                break;
-            }
+    };
+    let wefts: Vec<(&Yarn, Tube)> = layout.wefts.iter().map(|weft| (weft, Tube::new(weft))).collect();
+    for (j, warp) in layout.warps.iter().enumerate().take(different(System::Warp)) {
+        for (i, (weft, tube)) in wefts.iter().enumerate().take(different(System::Weft)) {
             let contact_mm = warp.half_height_mm + weft.half_height_mm;
             let circular = [warp, weft]
                 .iter()
@@ -97,7 +98,7 @@ fn check_crossings(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> 
             let overlap_mm = if circular {
                 contact_mm - distance_of_lines(warp, weft, contact_mm)
             } else {
-                depth_mm(warp, weft, &wefts[i])
+                depth_mm(warp, weft, tube)
             };
             if overlap_mm > contact_mm * CONTACT_TOLERANCE {
                 return Err(ClothError::Overlap {

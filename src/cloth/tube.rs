@@ -106,7 +106,9 @@ impl Tube {
         }
         loop {
             let width = self.knots[*k + 1] - self.knots[*k];
-            if *d <= width {
+            // So that a NaN ends here.
+            let past = *d > width;
+            if !past {
                 return moved;
             }
             moved = true;
@@ -171,6 +173,10 @@ impl Tube {
             } else {
                 (root - slope) / bend
             };
+            // F is off by at most M / 2 times the step's square there, below rounding.
+            if near.settled && f > -LAST_STEP && slope > 0.0 && slope * slope > 1e-3 * bend {
+                return distance + step;
+            }
             if distance == 0.0 {
                 step = step.max(LEAVE * self.half_height);
             }
