@@ -210,7 +210,7 @@ fn repeats_without_variation_change_nothing() {
 
 #[test]
 fn uneven_and_flat_yarns_that_overlap_are_refused() {
-    let refusal = |spec: ClothSpec| Tubes::new(&spec).err().expect("this cloth cannot be");
+    let refusal = |spec: ClothSpec| Tubes::new(&spec).expect_err("this cloth cannot be");
     // Level yarns whose axes cross 0.2 mm apart; half-heights 0.15/√1.44 each.
     match refusal(ClothSpec {
         centre_line: CentreLineKind::Sinusoid { amplitude_mm: 0.1 },

@@ -273,7 +273,15 @@ impl Piece {
             }
             Self::Wave { mean, amplitude, k } => {
                 let (wave, z) = (Wave { amplitude, k }, z - mean);
-                let foot = memory.foot.get_or_insert_with(|| WaveFoot::at(k, d));
+                let Some(foot) = &mut memory.foot else {
+                    // The point straight above or below is enough where the surface is far.
+                    let below = WaveFoot::at(k, d);
+                    memory.foot = Some(below);
+                    return Near {
+                        away: [0.0, z - amplitude * below.cos],
+                        settled: false,
+                    };
+                };
                 let mut bracket = [d.min(0.0), d.max(PI / k)];
                 let mut moved = wave.approach(d, z, foot, &mut bracket);
                 if moved > 0.01 {

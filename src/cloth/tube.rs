@@ -150,7 +150,7 @@ impl Tube {
             let [x_away, z_away] = near.away;
             let f = u * u * self.inverse_a2 + (x_away * x_away + z_away * z_away) * self.inverse_b2 - 1.0;
             let slope = u * along.u * self.inverse_a2 + (x_away * along.x + z_away * along.z) * self.inverse_b2;
-            if !near.settled && f > -0.01 {
+            if !near.settled && (f > -0.01 || distance == 0.0) {
                 // The circle around this point of the line need not hold the ray's point yet.
                 let rest = limit - distance;
                 if f < 0.0 && f + rest * (2.0 * slope + bend * rest) < 0.0 {

@@ -39,6 +39,7 @@ struct Parallel {
     /// Half-way through the gap from each yarn to the next.
     gaps: Vec<f64>,
     repeat: f64,
+    inverse_repeat: f64,
 }
 
 /// A yarn of the endless cloth: its place in the repeat, and the cell across.
@@ -62,6 +63,7 @@ impl Parallel {
             places,
             gaps,
             repeat,
+            inverse_repeat: 1.0 / repeat,
         }
     }
 
@@ -114,14 +116,18 @@ impl Parallel {
     #[inline]
     fn nearest(&self, across: f64) -> (&Tube, f64) {
         let n = self.places.len();
-        let mut across = across - floor(across / self.repeat) * self.repeat;
+        let repeats = across * self.inverse_repeat;
+        let whole = floor(repeats);
+        let mut across = across - whole * self.repeat;
+        let mut k = (((repeats - whole) * n as f64) as usize).min(n - 1);
         // The last gap may end before the repeat does, or past its end.
         if across > self.gaps[n - 1] {
             across -= self.repeat;
+            k = 0;
         } else if across < self.gaps[n - 1] - self.repeat {
             across += self.repeat;
+            k = n - 1;
         }
-        let mut k = ((across.max(0.0) / self.repeat * n as f64) as usize).min(n - 1);
         while k > 0 && across < self.gaps[k - 1] {
             k -= 1;
         }
