@@ -117,6 +117,7 @@ fn gaps_agree_with_an_independent_renderer() {
         weft_spacing_mm: 0.6,
         segments_around: 128,
         segments_along: 64,
+        ..ClothSpec::default()
     })
     .unwrap();
     let mut reader = csv::ReaderBuilder::new()

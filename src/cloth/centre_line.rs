@@ -48,20 +48,35 @@ impl PeirceSegment {
     }
 }
 
+/// Where a yarn passes over or under another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Profile {
-    Peirce { arc_radius_mm: f64, segment: PeirceSegment },
-    Sinusoid,
+pub(super) struct Crossing {
+    pub at_mm: f64,
+    pub on_top: bool,
+    /// Distance of the centre line from the cloth's middle plane.
+    pub crest_mm: f64,
+    /// Of Peirce's arc around the other yarn.
+    pub arc_radius_mm: f64,
+}
+
+/// How a centre line runs from one crossing to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Span {
+    Flat,
+    Peirce(PeirceSegment),
+    Cosine,
 }
 
 /// Periodic centre line of one yarn: its height over the cloth's middle plane as a function of the place along the
-/// yarn. Crossing `k` stands at (k + ½) times the spacing of the yarns crossed.
+/// yarn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CentreLine {
-    spacing_mm: f64,
-    crest_mm: f64,
-    on_top: Vec<bool>,
-    profile: Profile,
+    repeat_mm: f64,
+    /// Of the crossings, where all are equal: crossing `k` then stands at (k + ½) times the spacing.
+    spacing_mm: Option<f64>,
+    crossings: Vec<Crossing>,
+    /// `spans[k]` begins at crossing `k`.
+    spans: Vec<Span>,
 }
 
 impl CentreLine {
@@ -74,157 +89,231 @@ impl CentreLine {
         spacing_mm: f64,
         radius_sum_mm: f64,
     ) -> Result<Self, ClothError> {
-        let (crest_mm, profile) = match kind {
-            CentreLineKind::Peirce => {
+        let repeat_mm = spacing_mm * on_top.len() as f64;
+        let crossing = |(k, on_top)| Crossing {
+            at_mm: (k as f64 + 0.5) * spacing_mm,
+            on_top,
+            crest_mm: match kind {
                 // h1 + h2 = d1 + d2, each system taking half.
-                let (h, d) = (radius_sum_mm, 2.0 * radius_sum_mm);
-                let segment = PeirceSegment::solve(spacing_mm, h, d).ok_or(ClothError::Jammed {
+                CentreLineKind::Peirce => 0.5 * radius_sum_mm,
+                CentreLineKind::Sinusoid { amplitude_mm } => amplitude_mm,
+            },
+            arc_radius_mm: radius_sum_mm,
+        };
+        let crossings = on_top.into_iter().enumerate().map(crossing).collect();
+        Self::through(kind, system, crossings, repeat_mm, Some(spacing_mm))
+    }
+
+    /// The centre line through crossings in ascending order within one repeat. `spacing_mm`: their distance, if all are
+    /// equal.
+    pub(super) fn through(
+        kind: CentreLineKind,
+        system: System,
+        crossings: Vec<Crossing>,
+        repeat_mm: f64,
+        spacing_mm: Option<f64>,
+    ) -> Result<Self, ClothError> {
+        let mut line = Self {
+            repeat_mm,
+            spacing_mm,
+            crossings,
+            spans: Vec::new(),
+        };
+        line.spans = (0..line.crossings.len())
+            .map(|k| {
+                let [from, to] = line.ends(k);
+                if from.on_top == to.on_top {
+                    return Ok(if from.crest_mm == to.crest_mm {
+                        Span::Flat
+                    } else {
+                        Span::Cosine
+                    });
+                }
+                if kind != CentreLineKind::Peirce {
+                    return Ok(Span::Cosine);
+                }
+                let (width_mm, h) = (line.width_mm(k), from.crest_mm + to.crest_mm);
+                let d = from.arc_radius_mm + to.arc_radius_mm;
+                let segment = PeirceSegment::solve(width_mm, h, d).ok_or(ClothError::Jammed {
                     system,
                     crossed: system.other(),
-                    spacing_mm,
+                    spacing_mm: width_mm,
                     minimum_mm: PeirceSegment::jam_spacing_mm(h, d),
-                    radius_sum_mm,
+                    radius_sum_mm: h,
                 })?;
-                let arc_radius_mm = 0.5 * d;
-                (0.5 * h, Profile::Peirce { arc_radius_mm, segment })
-            }
-            CentreLineKind::Sinusoid { amplitude_mm } => (amplitude_mm, Profile::Sinusoid),
-        };
-        Ok(Self {
-            spacing_mm,
-            crest_mm,
-            on_top,
-            profile,
+                Ok(Span::Peirce(segment))
+            })
+            .collect::<Result<_, ClothError>>()?;
+        Ok(line)
+    }
+
+    /// The crossings at both ends of a span.
+    fn ends(&self, k: usize) -> [Crossing; 2] {
+        [self.crossings[k], self.crossings[(k + 1) % self.crossings.len()]]
+    }
+
+    /// Length of a span in the cloth's plane.
+    fn width_mm(&self, k: usize) -> f64 {
+        self.spacing_mm.unwrap_or_else(|| {
+            let wraps = k + 1 == self.crossings.len();
+            let [from, to] = self.ends(k);
+            to.at_mm - from.at_mm + if wraps { self.repeat_mm } else { 0.0 }
         })
+    }
+
+    /// The span at a place along the yarn, its width, and the fraction of it that lies before the place.
+    fn locate(&self, along_mm: f64) -> (usize, f64, f64) {
+        let n = self.crossings.len();
+        if let Some(spacing_mm) = self.spacing_mm {
+            let crossings = along_mm / spacing_mm - 0.5;
+            let before = crossings.floor();
+            // `rem_euclid` of a float is below n up to rounding, hence the second remainder.
+            let k = before.rem_euclid(n as f64) as usize % n;
+            return (k, spacing_mm, crossings - before);
+        }
+        let past = (along_mm - self.crossings[0].at_mm).rem_euclid(self.repeat_mm);
+        let x = past + self.crossings[0].at_mm;
+        let k = self.crossings.partition_point(|c| c.at_mm <= x).clamp(1, n) - 1;
+        let width_mm = self.width_mm(k);
+        (k, width_mm, (x - self.crossings[k].at_mm) / width_mm)
     }
 
     /// Height in mm and slope of the centre line at a distance along the yarn, measured in the cloth's plane.
     pub fn height_and_slope(&self, along_mm: f64) -> (f64, f64) {
-        let crossings = along_mm / self.spacing_mm - 0.5;
-        let before = crossings.floor();
-        let fraction = crossings - before;
-        let n = self.on_top.len();
-        // `rem_euclid` of a float is below n up to rounding, hence the second remainder.
-        let k = before.rem_euclid(n as f64) as usize % n;
-        let (from, to) = (self.on_top[k], self.on_top[(k + 1) % n]);
-        let sign = if from { 1.0 } else { -1.0 };
-        let (height, slope) = if from == to {
-            (self.crest_mm, 0.0)
-        } else if fraction <= 0.5 {
-            self.descent(fraction * self.spacing_mm)
-        } else {
-            let (height, slope) = self.descent((1.0 - fraction) * self.spacing_mm);
-            (-height, slope)
+        let (k, width_mm, fraction) = self.locate(along_mm);
+        let [from, to] = self.ends(k);
+        let sign = if from.on_top { 1.0 } else { -1.0 };
+        let (height, slope) = match self.spans[k] {
+            Span::Flat => (from.crest_mm, 0.0),
+            Span::Peirce(segment) => {
+                let from_crest_mm = fraction * width_mm;
+                if fraction <= 0.5 || from_crest_mm < from.arc_radius_mm * segment.weave_angle_rad.sin() {
+                    descent(from, segment, from_crest_mm)
+                } else {
+                    let (height, slope) = descent(to, segment, (1.0 - fraction) * width_mm);
+                    (-height, slope)
+                }
+            }
+            Span::Cosine => {
+                // The side is that of the first crossing; a float between unequal yarns stays on it.
+                let end_mm = if from.on_top == to.on_top {
+                    to.crest_mm
+                } else {
+                    -to.crest_mm
+                };
+                let (mean, amplitude) = (0.5 * (from.crest_mm + end_mm), 0.5 * (from.crest_mm - end_mm));
+                let (turned, phase) = if fraction <= 0.5 {
+                    (1.0, PI * (fraction * width_mm) / width_mm)
+                } else {
+                    (-1.0, PI * ((1.0 - fraction) * width_mm) / width_mm)
+                };
+                (
+                    mean + turned * (amplitude * phase.cos()),
+                    -amplitude * PI / width_mm * phase.sin(),
+                )
+            }
         };
         (sign * height, sign * slope)
     }
 
-    /// Height and slope at 0 to half a spacing past a crest, on the way down.
-    fn descent(&self, from_crest_mm: f64) -> (f64, f64) {
-        match self.profile {
-            Profile::Peirce { arc_radius_mm, segment } => {
-                let (sin, cos) = segment.weave_angle_rad.sin_cos();
-                if from_crest_mm < arc_radius_mm * sin {
-                    let rise = (arc_radius_mm * arc_radius_mm - from_crest_mm * from_crest_mm).sqrt();
-                    (self.crest_mm - (arc_radius_mm - rise), -from_crest_mm / rise)
-                } else {
-                    let on_straight_mm = from_crest_mm - arc_radius_mm * sin;
-                    let slope = -sin / cos;
-                    (
-                        self.crest_mm - arc_radius_mm * (1.0 - cos) + on_straight_mm * slope,
-                        slope,
-                    )
-                }
-            }
-            Profile::Sinusoid => {
-                let phase = PI * from_crest_mm / self.spacing_mm;
-                (
-                    self.crest_mm * phase.cos(),
-                    -self.crest_mm * PI / self.spacing_mm * phase.sin(),
-                )
-            }
-        }
-    }
-
     /// Highest distance of the centre line from the cloth's middle plane.
     pub fn crest_mm(&self) -> f64 {
-        self.crest_mm
+        self.crossings.iter().fold(0.0, |crest, c| crest.max(c.crest_mm))
     }
 
     /// Crossings in one repeat.
     pub fn crossings(&self) -> usize {
-        self.on_top.len()
+        self.crossings.len()
     }
 
     /// Length of one repeat in the cloth's plane.
     pub fn repeat_mm(&self) -> f64 {
-        self.spacing_mm * self.on_top.len() as f64
+        self.repeat_mm
     }
 
     /// Length of yarn in one repeat. Its excess over [`Self::repeat_mm`] is the crimp.
     pub fn length_mm(&self) -> f64 {
-        let n = self.on_top.len();
-        let changes = (0..n).filter(|&k| self.on_top[k] != self.on_top[(k + 1) % n]).count();
-        let change_mm = match self.profile {
-            Profile::Peirce { segment, .. } => segment.length_mm,
-            Profile::Sinusoid => {
-                // The trapezoidal rule over a period converges exponentially for a smooth integrand.
-                const NODES: usize = 1024;
-                let slope = self.crest_mm * PI / self.spacing_mm;
-                let sum: f64 = (0..NODES)
-                    .map(|k| 1f64.hypot(slope * (PI * k as f64 / NODES as f64).sin()))
-                    .sum();
-                self.spacing_mm * sum / NODES as f64
-            }
-        };
-        (n - changes) as f64 * self.spacing_mm + changes as f64 * change_mm
+        (0..self.spans.len())
+            .map(|k| {
+                let width_mm = self.width_mm(k);
+                let [from, to] = self.ends(k);
+                match self.spans[k] {
+                    Span::Flat => width_mm,
+                    // Arc, straight, arc, as long as with equal arcs of the same sum.
+                    Span::Peirce(segment) => segment.length_mm,
+                    Span::Cosine => {
+                        // The trapezoidal rule over a period converges exponentially for a smooth integrand.
+                        const NODES: usize = 1024;
+                        let turn = if from.on_top == to.on_top { -1.0 } else { 1.0 };
+                        let slope = 0.5 * (from.crest_mm + turn * to.crest_mm) * PI / width_mm;
+                        let sum: f64 = (0..NODES)
+                            .map(|k| 1f64.hypot(slope * (PI * k as f64 / NODES as f64).sin()))
+                            .sum();
+                        width_mm * sum / NODES as f64
+                    }
+                }
+            })
+            .sum()
     }
 
     /// The pieces between crossings over one repeat, and where each begins; one more beginning closes the repeat.
     pub(super) fn pieces(&self) -> (Vec<f64>, Vec<Piece>) {
-        let n = self.on_top.len();
-        let knots = (0..=n).map(|k| (k as f64 + 0.5) * self.spacing_mm).collect();
-        let pieces = (0..n)
-            .map(|k| {
-                let sign = if self.on_top[k] { 1.0 } else { -1.0 };
-                if self.on_top[k] == self.on_top[(k + 1) % n] {
-                    return Piece::Flat {
-                        height: sign * self.crest_mm,
-                    };
+        let first = self.crossings[0].at_mm;
+        let knots = self.crossings.iter().map(|c| c.at_mm).chain([first + self.repeat_mm]);
+        let pieces = (0..self.spans.len()).map(|k| self.piece(k)).collect();
+        (knots.collect(), pieces)
+    }
+
+    fn piece(&self, k: usize) -> Piece {
+        let [from, to] = self.ends(k);
+        let width = self.width_mm(k);
+        let [start, end] = [from, to].map(|c| if c.on_top { c.crest_mm } else { -c.crest_mm });
+        match self.spans[k] {
+            Span::Flat => Piece::Flat { height: start },
+            Span::Peirce(segment) => {
+                let (sin, cos) = segment.weave_angle_rad.sin_cos();
+                let z1 = from.crest_mm - from.arc_radius_mm;
+                Piece::Arcs {
+                    sign: if from.on_top { 1.0 } else { -1.0 },
+                    width,
+                    z1,
+                    r1: from.arc_radius_mm,
+                    z2: to.arc_radius_mm - to.crest_mm,
+                    r2: to.arc_radius_mm,
+                    sin,
+                    cos,
+                    w: z1 * cos + from.arc_radius_mm,
                 }
-                match self.profile {
-                    Profile::Peirce { arc_radius_mm, segment } => {
-                        let (sin, cos) = segment.weave_angle_rad.sin_cos();
-                        let z1 = self.crest_mm - arc_radius_mm;
-                        Piece::Arcs {
-                            sign,
-                            width: self.spacing_mm,
-                            z1,
-                            r1: arc_radius_mm,
-                            z2: -z1,
-                            r2: arc_radius_mm,
-                            sin,
-                            cos,
-                            w: z1 * cos + arc_radius_mm,
-                        }
-                    }
-                    Profile::Sinusoid => Piece::Wave {
-                        mean: 0.0,
-                        amplitude: sign * self.crest_mm,
-                        k: PI / self.spacing_mm,
-                    },
-                }
-            })
-            .collect();
-        (knots, pieces)
+            }
+            Span::Cosine => Piece::Wave {
+                mean: 0.5 * (start + end),
+                amplitude: 0.5 * (start - end),
+                k: PI / width,
+            },
+        }
     }
 
     /// Smallest radius of curvature.
     pub fn curvature_radius_mm(&self) -> f64 {
-        match self.profile {
-            Profile::Peirce { arc_radius_mm, .. } => arc_radius_mm,
-            // At the crest, where the slope is zero and the second derivative A (π/p)².
-            Profile::Sinusoid => self.spacing_mm.powi(2) / (PI * PI * self.crest_mm),
-        }
+        let radii = (0..self.spans.len()).map(|k| self.piece(k).reach());
+        radii.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Height and slope on the way down from a crest, along its arc and the straight after it.
+fn descent(crest: Crossing, segment: PeirceSegment, from_crest_mm: f64) -> (f64, f64) {
+    let Crossing {
+        crest_mm,
+        arc_radius_mm,
+        ..
+    } = crest;
+    let (sin, cos) = segment.weave_angle_rad.sin_cos();
+    if from_crest_mm < arc_radius_mm * sin {
+        let rise = (arc_radius_mm * arc_radius_mm - from_crest_mm * from_crest_mm).sqrt();
+        (crest_mm - (arc_radius_mm - rise), -from_crest_mm / rise)
+    } else {
+        let on_straight_mm = from_crest_mm - arc_radius_mm * sin;
+        let slope = -sin / cos;
+        (crest_mm - arc_radius_mm * (1.0 - cos) + on_straight_mm * slope, slope)
     }
 }

@@ -1,6 +1,9 @@
-use super::{CentreLine, ClothError, ClothSpec, System};
+use super::layout::{Layout, Yarn};
+use super::tube::{Local, Tube};
+use super::{ClothError, ClothSpec, System};
+use std::f64::consts::PI;
 
-/// Yarns of Peirce's cloth touch all along their arcs, so distances below the sum of the radii by this fraction are
+/// Yarns of Peirce's cloth touch all along their arcs, so distances below the sum of the half axes by this fraction are
 /// contact, not overlap.
 const CONTACT_TOLERANCE: f64 = 1e-6;
 
@@ -8,62 +11,95 @@ const CONTACT_TOLERANCE: f64 = 1e-6;
 const SEARCH_NODES: usize = 48;
 
 /// Refuses a cloth whose tubes overlap, with the yarns' names and the depth of the overlap.
-pub(super) fn check(spec: &ClothSpec, warps: &[CentreLine], wefts: &[CentreLine]) -> Result<(), ClothError> {
-    check_curvature(System::Warp, spec.warp_radius_mm, warps)?;
-    check_curvature(System::Weft, spec.weft_radius_mm, wefts)?;
-    check_neighbours(spec, System::Warp)?;
-    check_neighbours(spec, System::Weft)?;
-    check_crossings(spec, warps, wefts)
+pub(super) fn check(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> {
+    for system in [System::Warp, System::Weft] {
+        check_curvature(system, layout.yarns(system))?;
+    }
+    for system in [System::Warp, System::Weft] {
+        check_neighbours(spec, system, layout)?;
+    }
+    check_crossings(spec, layout)
 }
 
-/// A tube whose centre line bends tighter than the tube is thick folds into itself.
-fn check_curvature(system: System, radius_mm: f64, lines: &[CentreLine]) -> Result<(), ClothError> {
-    for (index, line) in lines.iter().enumerate() {
-        let curvature_mm = line.curvature_radius_mm();
-        if curvature_mm < radius_mm * (1.0 - CONTACT_TOLERANCE) {
+/// A tube whose centre line bends tighter than the tube is high folds into itself.
+fn check_curvature(system: System, yarns: &[Yarn]) -> Result<(), ClothError> {
+    for (index, yarn) in yarns.iter().enumerate() {
+        let curvature_mm = yarn.line.curvature_radius_mm();
+        if curvature_mm < yarn.half_height_mm * (1.0 - CONTACT_TOLERANCE) {
             return Err(ClothError::TooCurved {
                 system,
                 index,
                 curvature_mm,
-                radius_mm,
+                radius_mm: yarn.half_height_mm,
             });
         }
     }
     Ok(())
 }
 
-/// Neighbours of one system run in parallel planes a spacing apart. Both have the same highest and lowest height and,
-/// in a draft where every yarn interlaces, reach both, so somewhere along the repeat their heights agree: their
-/// smallest distance is the spacing itself.
-fn check_neighbours(spec: &ClothSpec, system: System) -> Result<(), ClothError> {
-    let diameter_mm = 2.0 * spec.radius_mm(system);
-    let spacing_mm = spec.spacing_mm(system);
-    if spacing_mm < diameter_mm * (1.0 - CONTACT_TOLERANCE) {
-        return Err(ClothError::Overlap {
-            first: format!("each {system}"),
-            second: format!("the next {system}"),
-            overlap_mm: diameter_mm - spacing_mm,
-            remedy: match system {
-                System::Warp => "increase warp_spacing_mm or reduce warp_radius_mm",
-                System::Weft => "increase weft_spacing_mm or reduce weft_radius_mm",
-            },
-        });
+/// Neighbours of one system run in parallel planes and must not overlap in plan. Without variation both have the same
+/// highest and lowest height and, in a draft where every yarn interlaces, reach both, so somewhere along the repeat
+/// their heights agree: their smallest distance is that of the planes. Varied ones may pass at unequal heights where
+/// they would just clear each other, which counts as overlap.
+fn check_neighbours(spec: &ClothSpec, system: System, layout: &Layout) -> Result<(), ClothError> {
+    let yarns = layout.yarns(system);
+    let repeat_mm = match system {
+        System::Warp => layout.cell_mm[1],
+        System::Weft => layout.cell_mm[0],
+    };
+    for (index, yarn) in yarns.iter().enumerate() {
+        let following = (index + 1) % yarns.len();
+        let next = &yarns[following];
+        let contact_mm = yarn.half_width_mm + next.half_width_mm;
+        let spacing_mm = if spec.spacing_variation == 0.0 {
+            spec.spacing_mm(system)
+        } else {
+            next.place_mm - yarn.place_mm + if following == 0 { repeat_mm } else { 0.0 }
+        };
+        if spacing_mm < contact_mm * (1.0 - CONTACT_TOLERANCE) {
+            let [first, second] = if spec.is_varied() {
+                [index, following].map(|k| format!("{system} {k}"))
+            } else {
+                [format!("each {system}"), format!("the next {system}")]
+            };
+            return Err(ClothError::Overlap {
+                first,
+                second,
+                overlap_mm: contact_mm - spacing_mm,
+                remedy: match (system, spec.is_varied()) {
+                    (System::Warp, false) => "increase warp_spacing_mm or reduce warp_radius_mm",
+                    (System::Weft, false) => "increase weft_spacing_mm or reduce weft_radius_mm",
+                    (System::Warp, true) => "increase warp_spacing_mm, or reduce warp_radius_mm or the variations",
+                    (System::Weft, true) => "increase weft_spacing_mm, or reduce weft_radius_mm or the variations",
+                },
+            });
+        }
     }
     Ok(())
 }
 
-fn check_crossings(spec: &ClothSpec, warps: &[CentreLine], wefts: &[CentreLine]) -> Result<(), ClothError> {
-    let contact_mm = spec.warp_radius_mm + spec.weft_radius_mm;
-    for (j, warp) in warps.iter().enumerate() {
-        for (i, weft) in wefts.iter().enumerate() {
-            let x_mm = (i as f64 + 0.5) * spec.weft_spacing_mm;
-            let y_mm = (j as f64 + 0.5) * spec.warp_spacing_mm;
-            // At (dx, dy) from the crossing: a point of the warp, (x + dx, y), and one of the weft, (x, y + dy).
-            let distance = |dx: f64, dy: f64| {
-                let dz = warp.height_and_slope(x_mm + dx).0 - weft.height_and_slope(y_mm + dy).0;
-                (dx * dx + dy * dy + dz * dz).sqrt()
+fn check_crossings(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> {
+    let draft = spec.weave.draft();
+    // Without variation every repeat of the draft is the first again.
+    let different = |system| {
+        if spec.is_varied() {
+            usize::MAX
+        } else {
+            draft.yarns(system)
+        }
+    };
+    let wefts: Vec<(&Yarn, Tube)> = layout.wefts.iter().map(|weft| (weft, Tube::new(weft))).collect();
+    for (j, warp) in layout.warps.iter().enumerate().take(different(System::Warp)) {
+        for (i, (weft, tube)) in wefts.iter().enumerate().take(different(System::Weft)) {
+            let contact_mm = warp.half_height_mm + weft.half_height_mm;
+            let circular = [warp, weft]
+                .iter()
+                .all(|yarn| yarn.half_width_mm == yarn.half_height_mm);
+            let overlap_mm = if circular {
+                contact_mm - distance_of_lines(warp, weft, contact_mm)
+            } else {
+                depth_mm(warp, weft, tube)
             };
-            let overlap_mm = contact_mm - minimum(distance, contact_mm);
             if overlap_mm > contact_mm * CONTACT_TOLERANCE {
                 return Err(ClothError::Overlap {
                     first: format!("warp {j}"),
@@ -75,6 +111,34 @@ fn check_crossings(spec: &ClothSpec, warps: &[CentreLine], wefts: &[CentreLine])
         }
     }
     Ok(())
+}
+
+/// Smallest distance of two centre lines near their crossing.
+fn distance_of_lines(warp: &Yarn, weft: &Yarn, reach_mm: f64) -> f64 {
+    let (x_mm, y_mm) = (weft.place_mm, warp.place_mm);
+    // At (dx, dy) from the crossing: a point of the warp, (x + dx, y), and one of the weft, (x, y + dy).
+    let distance = |dx: f64, dy: f64| {
+        let dz = warp.line.height_and_slope(x_mm + dx).0 - weft.line.height_and_slope(y_mm + dy).0;
+        (dx * dx + dy * dy + dz * dz).sqrt()
+    };
+    minimum(distance, reach_mm)
+}
+
+/// How deep the surface of a warp reaches into a weft near their crossing.
+fn depth_mm(warp: &Yarn, weft: &Yarn, tube: &Tube) -> f64 {
+    let reach_mm = weft.half_width_mm + warp.half_height_mm;
+    let distance = |along: f64, around: f64| {
+        let x_mm = weft.place_mm + along * reach_mm;
+        let (height_mm, slope) = warp.line.height_and_slope(x_mm);
+        let (sin, cos) = (PI * around).sin_cos();
+        let up_mm = warp.half_height_mm * sin / slope.hypot(1.0);
+        tube.signed_distance(Local {
+            x: warp.place_mm + warp.half_width_mm * cos,
+            u: x_mm - up_mm * slope - weft.place_mm,
+            z: height_mm + up_mm,
+        })
+    };
+    -minimum(distance, 1.0)
 }
 
 /// Minimum of a function over the square of half width `reach` around the origin: a grid, then ever smaller grids

@@ -1,4 +1,5 @@
-use super::{CentreLine, ClothSpec, System};
+use super::layout::{Layout, Yarn};
+use super::{ClothSpec, System};
 use crate::geometry::Vec3;
 use std::f64::consts::TAU;
 
@@ -16,7 +17,7 @@ pub(super) struct Quad {
     pub index: u32,
 }
 
-/// One repeat of every yarn of the draft.
+/// One repeat of every yarn of the cell.
 #[derive(Default)]
 pub(super) struct Mesh {
     pub vertices: Vec<Vertex>,
@@ -24,22 +25,23 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    pub fn new(spec: &ClothSpec, warps: &[CentreLine], wefts: &[CentreLine]) -> Self {
+    pub fn new(spec: &ClothSpec, layout: &Layout) -> Self {
         let mut mesh = Self::default();
-        for (system, lines) in [(System::Warp, warps), (System::Weft, wefts)] {
-            for (index, line) in lines.iter().enumerate() {
-                mesh.add_tube(spec, system, index, line);
+        for system in [System::Warp, System::Weft] {
+            for (index, yarn) in layout.yarns(system).iter().enumerate() {
+                mesh.add_tube(spec, system, index, yarn);
             }
         }
         mesh
     }
 
-    /// Circular sections perpendicular to the centre line, evenly spaced in the cloth's plane. The centre line is a
+    /// Elliptical sections perpendicular to the centre line, evenly spaced in the cloth's plane. The centre line is a
     /// plane curve, so the section's frame does not twist.
-    fn add_tube(&mut self, spec: &ClothSpec, system: System, index: usize, line: &CentreLine) {
+    fn add_tube(&mut self, spec: &ClothSpec, system: System, index: usize, yarn: &Yarn) {
+        let line = &yarn.line;
         let rings = line.crossings() * spec.segments_along;
-        let radius_mm = spec.radius_mm(system);
-        let across_mm = (index as f64 + 0.5) * spec.spacing_mm(system);
+        let across_mm = yarn.place_mm;
+        let (a_mm, b_mm) = (yarn.half_width_mm, yarn.half_height_mm);
         let (forward, lateral) = match system {
             System::Warp => (Vec3::x(), Vec3::y()),
             System::Weft => (Vec3::y(), Vec3::x()),
@@ -55,10 +57,16 @@ impl Mesh {
             let centre = forward * along_mm + lateral * across_mm + Vec3::z() * height_mm;
             for k in 0..spec.segments_around {
                 let (sin, cos) = (TAU * k as f64 / spec.segments_around as f64).sin_cos();
-                let normal = lateral * cos + upward * sin;
+                let (sideways, up) = (lateral * cos, upward * sin);
+                // Length of the ellipse's gradient times both half axes; a circle's without rounding.
+                let length_mm = if a_mm == b_mm {
+                    a_mm
+                } else {
+                    (b_mm * cos).hypot(a_mm * sin)
+                };
                 self.vertices.push(Vertex {
-                    position: centre + normal * radius_mm + shift,
-                    normal,
+                    position: centre + (sideways * a_mm + up * b_mm) + shift,
+                    normal: sideways * (b_mm / length_mm) + up * (a_mm / length_mm),
                     axis,
                 });
             }

@@ -1,11 +1,12 @@
 //! Woven cloth: draft, centre lines of the yarns, their tubes as a mesh, and rays through the endless periodic weave.
 //!
 //! The cloth lies in the x–y plane around z = 0, its outer normal is +z. Warp yarns run along x, weft yarns along y.
-//! The first warp of the repeat stands at y = ½ warp spacing, the first weft at x = ½ weft spacing. Lengths are mm.
+//! The first warp of the cell stands at y = ½ warp spacing, the first weft at x = ½ weft spacing. Lengths are mm.
 
 mod centre_line;
 mod draft;
 mod interpenetration;
+mod layout;
 mod mesh;
 mod piece;
 mod scene;
@@ -53,10 +54,22 @@ pub struct ClothSpec {
     pub centre_line: CentreLineKind,
     pub warp_radius_mm: f64,
     pub weft_radius_mm: f64,
-    /// Distance of neighbouring warp yarns, along y.
+    /// Width over height of the warps' elliptical sections. Their area is that of the circle of `warp_radius_mm`.
+    pub warp_flattening: f64,
+    pub weft_flattening: f64,
+    /// Mean distance of neighbouring warp yarns, along y.
     pub warp_spacing_mm: f64,
-    /// Distance of neighbouring weft yarns, along x.
+    /// Mean distance of neighbouring weft yarns, along x.
     pub weft_spacing_mm: f64,
+    /// Standard deviation of the yarns' radii over the mean radius: normal, cut off at two standard deviations, with the
+    /// mean over the cell kept.
+    pub radius_variation: f64,
+    /// The same of the distances of neighbouring yarns.
+    pub spacing_variation: f64,
+    /// Repeats of the draft in one cell, along x and along y. More give variation more yarns before it recurs.
+    pub repeats: [usize; 2],
+    /// Fixes every yarn's radius and place.
+    pub variation_seed: u64,
     /// Facets around a yarn, a multiple of four so that silhouettes seen from above are exact. The facets lie inside
     /// the round yarn, by at most R (1 − cos(π / n)).
     pub segments_around: usize,
@@ -72,8 +85,14 @@ impl Default for ClothSpec {
             centre_line: CentreLineKind::Peirce,
             warp_radius_mm: 0.15,
             weft_radius_mm: 0.15,
+            warp_flattening: 1.0,
+            weft_flattening: 1.0,
             warp_spacing_mm: 0.54,
             weft_spacing_mm: 0.54,
+            radius_variation: 0.0,
+            spacing_variation: 0.0,
+            repeats: [1, 1],
+            variation_seed: 0,
             segments_around: 48,
             segments_along: 24,
         }
@@ -95,6 +114,28 @@ impl ClothSpec {
         }
     }
 
+    /// Half width and half height of a yarn whose section has the area of the circle of a radius.
+    fn half_axes_mm(&self, system: System, radius_mm: f64) -> [f64; 2] {
+        let stretch = match system {
+            System::Warp => self.warp_flattening,
+            System::Weft => self.weft_flattening,
+        }
+        .sqrt();
+        [radius_mm * stretch, radius_mm / stretch]
+    }
+
+    fn is_varied(&self) -> bool {
+        self.radius_variation > 0.0 || self.spacing_variation > 0.0
+    }
+
+    /// Repeats of the draft across the yarns of a system.
+    fn repeats_across(&self, system: System) -> usize {
+        match system {
+            System::Warp => self.repeats[1],
+            System::Weft => self.repeats[0],
+        }
+    }
+
     fn check_ranges(&self) -> Result<(), ClothError> {
         let mut lengths = vec![
             ("warp_radius_mm", self.warp_radius_mm),
@@ -109,6 +150,18 @@ impl ClothSpec {
             // Squares and quotients of lengths in this range neither overflow nor vanish.
             if !(1e-6..=1e6).contains(&found) {
                 return Err(ClothError::Length { name, found });
+            }
+        }
+        for (name, found, low, high) in [
+            ("warp_flattening", self.warp_flattening, 0.2, 5.0),
+            ("weft_flattening", self.weft_flattening, 0.2, 5.0),
+            ("radius_variation", self.radius_variation, 0.0, 0.2),
+            ("spacing_variation", self.spacing_variation, 0.0, 0.2),
+            ("repeats along x", self.repeats[0] as f64, 1.0, 256.0),
+            ("repeats along y", self.repeats[1] as f64, 1.0, 256.0),
+        ] {
+            if !(low..=high).contains(&found) {
+                return Err(ClothError::Ratio { name, found, low, high });
             }
         }
         for (name, found, multiple) in [
@@ -134,6 +187,13 @@ pub enum ClothError {
     NeverInterlaces { system: System, index: usize },
     #[error("{name}: expected a length from 1e-6 to 1e6 mm, found {found}")]
     Length { name: &'static str, found: f64 },
+    #[error("{name}: expected a number from {low} to {high}, found {found}")]
+    Ratio {
+        name: &'static str,
+        found: f64,
+        low: f64,
+        high: f64,
+    },
     #[error("{name}: expected 8 to 1024 facets, a multiple of {multiple}, found {found}")]
     Segments {
         name: &'static str,
@@ -141,7 +201,7 @@ pub enum ClothError {
         multiple: usize,
     },
     #[error(
-        "the cell would have {found} facets, more than {limit}; reduce segments_around, segments_along or the draft"
+        "the cell would have {found} facets, more than {limit}; reduce segments_around, segments_along, repeats or the draft"
     )]
     TooManyFacets { found: usize, limit: usize },
     #[error(

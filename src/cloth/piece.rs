@@ -77,21 +77,10 @@ impl Piece {
                     normal: [sign * normal[0], normal[1]],
                 }
             }
-            Self::Wave { mean, amplitude, k } => Wave { amplitude, k }.offset(d, z - mean),
-        }
-    }
-
-    /// A cheap lower bound of the distance, where the shape has one.
-    #[inline]
-    pub fn at_least(&self, d: f64, z: f64) -> Option<f64> {
-        match *self {
             Self::Wave { mean, amplitude, k } => {
-                // The line is steeper than its slope at the middle nowhere.
-                let slope = amplitude * k;
-                let vertical = z - mean - amplitude * (k * d).cos();
-                Some((vertical * vertical / (1.0 + slope * slope)).sqrt())
+                let below = WaveFoot::at(k, d);
+                Wave { amplitude, k }.offset(d, z - mean, below, &mut { below }, 1e-8)
             }
-            _ => None,
         }
     }
 
@@ -125,69 +114,206 @@ struct Wave {
 }
 
 impl Wave {
-    fn offset(self, d: f64, z: f64) -> Offset {
+    /// Distance of a point from the wave, whose point straight above or below it is `below`; `foot` is a guess of the
+    /// nearest point, and then that point. Newton's method ends after a step of less than `last` in phase: its
+    /// convergence is quadratic, so the error left in the phase is the square of that.
+    fn offset(self, d: f64, z: f64, below: WaveFoot, foot: &mut WaveFoot, last: f64) -> Offset {
         let Self { amplitude, k } = self;
-        let (sin, cos) = (k * d).sin_cos();
-        let near = self.foot(d, z, d, (sin, cos));
+        let near = self.settled(d, z, foot, last);
         // A foot farther than the point straight above or below is that of another branch, past the evolute.
-        if near.v.abs() <= (z - amplitude * cos).abs() * (1.0 + 1e-12) && near.v.abs() * amplitude.abs() * k * k < 1.0 {
+        if near.v.abs() <= (z - amplitude * below.cos).abs() * (1.0 + 1e-12)
+            && near.v.abs() * amplitude.abs() * k * k < 1.0
+        {
             return near;
         }
         const STARTS: u32 = 16;
         (0..=STARTS).fold(near, |best, n| {
-            let start = PI / k * f64::from(n) / f64::from(STARTS);
-            let found = self.foot(d, z, start, (k * start).sin_cos());
-            if found.v.abs() < best.v.abs() { found } else { best }
+            let mut start = WaveFoot::at(k, PI / k * f64::from(n) / f64::from(STARTS));
+            let found = self.settled(d, z, &mut start, last);
+            if found.v.abs() < best.v.abs() {
+                *foot = start;
+                found
+            } else {
+                best
+            }
         })
     }
 
-    /// The foot of a perpendicular near `start`, whose sine and cosine are given: Newton's method on
-    /// (s − d) + y'(y − z) = 0, kept in a bracket, since the line is level at both ends of the piece.
-    fn foot(self, d: f64, z: f64, start: f64, (mut sin, mut cos): (f64, f64)) -> Offset {
-        let Self { amplitude, k } = self;
-        let width = PI / k;
-        let (mut low, mut high) = (d.min(0.0), d.max(width));
-        let mut s = start;
-        for n in 0..64 {
-            let (y, slope) = (amplitude * cos, -amplitude * k * sin);
-            let value = (s - d) + slope * (y - z);
-            if value < 0.0 {
-                low = low.max(s)
-            } else {
-                high = high.min(s)
-            }
-            // The first step leaves out the curvature: it cannot go wrong far from the line.
-            let bend = if n == 0 { 0.0 } else { -k * k * y * (y - z) };
-            let mut step = -value / (1.0 + slope * slope + bend);
-            if !(low..=high).contains(&(s + step)) || 1.0 + slope * slope + bend <= 0.0 {
-                step = 0.5 * (low + high) - s;
-            }
-            s += step;
-            let turn = k * step;
-            (sin, cos) = if turn.abs() < 0.02 {
-                turned(sin, cos, turn)
-            } else {
-                (k * s).sin_cos()
-            };
-            // Convergence is quadratic: the error left is the square of this step.
-            if turn.abs() < 1e-8 {
+    /// The foot of a perpendicular near `foot`.
+    fn settled(self, d: f64, z: f64, foot: &mut WaveFoot, last: f64) -> Offset {
+        let mut bracket = [d.min(0.0), d.max(PI / self.k)];
+        for _ in 0..64 {
+            if self.approach(d, z, foot, &mut bracket) < last {
                 break;
             }
         }
-        let slope = -amplitude * k * sin;
+        self.offset_at(d, z, foot)
+    }
+
+    /// One step of Newton's method on (s − d) + y'(y − z) = 0 for the foot s, kept in a bracket, since the line is level
+    /// at both ends of the piece. Returns by how much the phase k s moved.
+    #[inline]
+    fn approach(self, d: f64, z: f64, foot: &mut WaveFoot, bracket: &mut [f64; 2]) -> f64 {
+        let Self { amplitude, k } = self;
+        let (y, slope) = (amplitude * foot.cos, -amplitude * k * foot.sin);
+        let value = (foot.s - d) + slope * (y - z);
+        if value < 0.0 {
+            bracket[0] = bracket[0].max(foot.s)
+        } else {
+            bracket[1] = bracket[1].min(foot.s)
+        }
+        let tangent = 1.0 + slope * slope;
+        // Far on the hollow side the line bends faster than the point sees it.
+        let rate = (tangent - k * k * y * (y - z)).max(0.25 * tangent);
+        let mut step = -value / rate;
+        if !(bracket[0]..=bracket[1]).contains(&(foot.s + step)) {
+            step = 0.5 * (bracket[0] + bracket[1]) - foot.s;
+        }
+        foot.turn(k, step);
+        (k * step).abs()
+    }
+
+    #[inline]
+    fn offset_at(self, d: f64, z: f64, foot: &WaveFoot) -> Offset {
+        let slope = -self.amplitude * self.k * foot.sin;
         let scale = 1.0 / (1.0 + slope * slope).sqrt();
         let normal = [-slope * scale, scale];
         Offset {
-            v: (d - s) * normal[0] + (z - amplitude * cos) * normal[1],
+            v: (d - foot.s) * normal[0] + (z - self.amplitude * foot.cos) * normal[1],
             normal,
         }
     }
 }
 
-/// Sine and cosine after a turn below 0.02 rad, by series whose remainder is below 1e-16.
-fn turned(sin: f64, cos: f64, turn: f64) -> (f64, f64) {
-    let square = turn * turn;
-    let sine = turn * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0)));
-    let cosine = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0));
-    (sin * cosine + cos * sine, cos * cosine - sin * sine)
+/// A place along a wave, with the sine and cosine of its phase.
+#[derive(Clone, Copy, Debug)]
+struct WaveFoot {
+    s: f64,
+    sin: f64,
+    cos: f64,
+}
+
+impl WaveFoot {
+    #[inline]
+    fn at(k: f64, s: f64) -> Self {
+        let (sin, cos) = (k * s).sin_cos();
+        Self { s, sin, cos }
+    }
+
+    /// Moves on; by a small phase with series whose remainder is below 1e-16.
+    #[inline]
+    fn turn(&mut self, k: f64, step: f64) {
+        let turn = k * step;
+        if turn.abs() > 0.25 {
+            *self = Self::at(k, self.s + step);
+            return;
+        }
+        let q = turn * turn;
+        let sine = turn * (1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0 * (1.0 - q / 110.0)))));
+        let cosine = 1.0
+            - q / 2.0 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0 * (1.0 - q / 90.0 * (1.0 - q / 132.0)))));
+        *self = Self {
+            s: self.s + step,
+            sin: self.sin * cosine + self.cos * sine,
+            cos: self.cos * cosine - self.sin * sine,
+        };
+    }
+}
+
+/// What a ray remembers of the piece it runs along: the point straight above or below, and the nearest one.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Memory {
+    below: Option<WaveFoot>,
+    foot: Option<WaveFoot>,
+}
+
+/// A point of a piece near another point: the vector from it, and whether it is the nearest one to rounding.
+pub(super) struct Near {
+    pub away: [f64; 2],
+    pub settled: bool,
+}
+
+/// A piece seen from a point.
+pub(super) enum Seen {
+    /// A lower bound of the distance.
+    AtLeast(f64),
+    Offset(Offset),
+}
+
+impl Piece {
+    /// A point of the piece near (d, z), nearer to the nearest one the more often it is asked for along a ray.
+    #[inline]
+    pub fn near(&self, d: f64, z: f64, memory: &mut Memory) -> Near {
+        let away = match *self {
+            Self::Flat { height } => [0.0, z - height],
+            Self::Arcs {
+                sign,
+                width,
+                z1,
+                r1,
+                z2,
+                r2,
+                sin,
+                cos,
+                w,
+            } => {
+                let z = sign * z;
+                let past_second = d - width;
+                let [x_away, z_away] = if d * cos < (z - z1) * sin {
+                    let share = 1.0 - r1 / (d * d + (z - z1) * (z - z1)).sqrt();
+                    [share * d, share * (z - z1)]
+                } else if past_second * cos > (z - z2) * sin {
+                    let share = 1.0 - r2 / (past_second * past_second + (z - z2) * (z - z2)).sqrt();
+                    [share * past_second, share * (z - z2)]
+                } else {
+                    let v = d * sin + z * cos - w;
+                    [v * sin, v * cos]
+                };
+                [x_away, sign * z_away]
+            }
+            Self::Wave { mean, amplitude, k } => {
+                let (wave, z) = (Wave { amplitude, k }, z - mean);
+                let Some(foot) = &mut memory.foot else {
+                    // The point straight above or below is enough where the surface is far.
+                    let below = WaveFoot::at(k, d);
+                    memory.foot = Some(below);
+                    return Near {
+                        away: [0.0, z - amplitude * below.cos],
+                        settled: false,
+                    };
+                };
+                let mut bracket = [d.min(0.0), d.max(PI / k)];
+                let mut moved = wave.approach(d, z, foot, &mut bracket);
+                if moved > 0.01 {
+                    moved = wave.approach(d, z, foot, &mut bracket);
+                }
+                return Near {
+                    away: [d - foot.s, z - amplitude * foot.cos],
+                    // The distance is off by the fourth power of the last step.
+                    settled: moved < 1e-4,
+                };
+            }
+        };
+        Near { away, settled: true }
+    }
+
+    /// The distance of a point of a ray from the piece, or a cheap lower bound that exceeds `far`.
+    #[inline]
+    pub fn seen(&self, d: f64, z: f64, far: f64, memory: &mut Memory) -> Seen {
+        let Self::Wave { mean, amplitude, k } = *self else {
+            return Seen::Offset(self.offset(d, z));
+        };
+        let z = z - mean;
+        let below = memory.below.get_or_insert_with(|| WaveFoot::at(k, d));
+        below.turn(k, d - below.s);
+        // Nowhere is the line steeper than at its middle.
+        let vertical = z - amplitude * below.cos;
+        let least_squared = vertical * vertical / (1.0 + amplitude * amplitude * k * k);
+        if least_squared > far * far {
+            return Seen::AtLeast(least_squared.sqrt());
+        }
+        let below = *below;
+        let foot = memory.foot.get_or_insert(below);
+        Seen::Offset(Wave { amplitude, k }.offset(d, z, below, foot, 1e-5))
+    }
 }

@@ -1,5 +1,6 @@
+use super::layout::Layout;
 use super::mesh::{Mesh, Quad, Vertex};
-use super::{CentreLine, ClothError, ClothSpec, Draft, System, interpenetration};
+use super::{ClothError, ClothSpec, System};
 use crate::geometry::{Frame, Vec3};
 use bvh::aabb::{Aabb, Bounded};
 use bvh::bounding_hierarchy::BHShape;
@@ -29,7 +30,7 @@ const NO_YARN: u32 = u32::MAX - 1;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct YarnId {
     pub system: System,
-    /// Place in the draft's repeat.
+    /// Place in the cell.
     pub index: u32,
     /// Cell across the yarn: along y for a warp, along x for a weft.
     pub lateral: i64,
@@ -94,7 +95,8 @@ impl Cloth {
     pub fn new(spec: &ClothSpec) -> Result<Self, ClothError> {
         spec.check_ranges()?;
         let draft = spec.weave.draft();
-        let crossings = draft.yarns(System::Warp) * draft.yarns(System::Weft);
+        let repeats = spec.repeats[0] * spec.repeats[1];
+        let crossings = draft.yarns(System::Warp) * draft.yarns(System::Weft) * repeats;
         let facets = 2 * crossings * spec.segments_around * spec.segments_along;
         if facets > MAX_FACETS {
             return Err(ClothError::TooManyFacets {
@@ -102,13 +104,9 @@ impl Cloth {
                 limit: MAX_FACETS,
             });
         }
-        let [warps, wefts] = centre_lines_of(spec)?;
-        let mesh = Mesh::new(spec, &warps, &wefts);
-        let cell_mm = [
-            draft.yarns(System::Weft) as f64 * spec.weft_spacing_mm,
-            draft.yarns(System::Warp) as f64 * spec.warp_spacing_mm,
-        ];
-        let top_mm = (warps[0].crest_mm() + spec.warp_radius_mm).max(wefts[0].crest_mm() + spec.weft_radius_mm);
+        let layout = Layout::new(spec)?;
+        let mesh = Mesh::new(spec, &layout);
+        let (cell_mm, top_mm) = (layout.cell_mm, layout.top_mm());
         let facets = facets_of_cell(&mesh, cell_mm);
         let mut yarns: Vec<YarnId> = facets.iter().map(|facet| facet.yarn).collect();
         yarns.sort_unstable();
@@ -271,30 +269,6 @@ impl Cloth {
             }
         }
     }
-}
-
-/// Warps and wefts of one repeat of a cloth that can be.
-pub(super) fn centre_lines_of(spec: &ClothSpec) -> Result<[Vec<CentreLine>; 2], ClothError> {
-    spec.check_ranges()?;
-    let draft = spec.weave.draft();
-    let warps = centre_lines(spec, &draft, System::Warp)?;
-    let wefts = centre_lines(spec, &draft, System::Weft)?;
-    interpenetration::check(spec, &warps, &wefts)?;
-    Ok([warps, wefts])
-}
-
-fn centre_lines(spec: &ClothSpec, draft: &Draft, system: System) -> Result<Vec<CentreLine>, ClothError> {
-    (0..draft.yarns(system))
-        .map(|index| {
-            CentreLine::new(
-                spec.centre_line,
-                system,
-                draft.on_top(system, index),
-                spec.spacing_mm(system.other()),
-                spec.warp_radius_mm + spec.weft_radius_mm,
-            )
-        })
-        .collect()
 }
 
 /// The facets of the endless cloth that reach into the cell [0, cell x] × [0, cell y]: those of the repeat and the

@@ -1,10 +1,14 @@
-use super::piece::{Offset, Piece};
+use super::layout::Yarn;
+use super::piece::{Memory, Offset, Piece, Seen};
 
 /// Steps of a search after which a ray counts as one that never reaches the surface.
 const MAX_STEPS: usize = 256;
 
 /// Value of F, up to rounding the distance from the surface in half axes, that counts as on the surface.
 const ON_SURFACE: f64 = 1e-13;
+
+/// Value of −F from which one step ends a search, unless the ray grazes.
+const LAST_STEP: f64 = 1e-8;
 
 /// First step, in half heights, of a ray that starts on the surface: past what rounding can hold there.
 const LEAVE: f64 = 1e-9;
@@ -23,6 +27,7 @@ pub(super) struct Tube {
     inverse_b2: f64,
     /// Where pieces begin along the yarn; the last is the first one repeat on.
     knots: Vec<f64>,
+    inverse_repeat: f64,
     pieces: Vec<Piece>,
     reach: f64,
 }
@@ -37,6 +42,13 @@ pub(super) struct Local {
     pub z: f64,
 }
 
+/// The surface next to a point: the way there, the outward normal and the centre line's tangent.
+pub(super) struct Skin {
+    pub to_surface: Local,
+    pub normal: Local,
+    pub tangent: Local,
+}
+
 impl Local {
     fn moved(self, along: Self, distance: f64) -> Self {
         Self {
@@ -48,12 +60,15 @@ impl Local {
 }
 
 impl Tube {
-    pub fn new(half_width: f64, half_height: f64, knots: Vec<f64>, pieces: Vec<Piece>) -> Self {
+    pub fn new(yarn: &Yarn) -> Self {
+        let (half_width, half_height) = (yarn.half_width_mm, yarn.half_height_mm);
+        let (knots, pieces) = yarn.line.pieces();
         Self {
             half_width,
             half_height,
             inverse_a2: half_width.powi(-2),
             inverse_b2: half_height.powi(-2),
+            inverse_repeat: 1.0 / (knots[pieces.len()] - knots[0]),
             knots,
             reach: pieces
                 .iter()
@@ -67,9 +82,10 @@ impl Tube {
     fn locate(&self, x: f64) -> (usize, f64) {
         let n = self.pieces.len();
         let (first, repeat) = (self.knots[0], self.knots[n] - self.knots[0]);
-        let repeats = (x - first) / repeat;
-        let x = x - repeats.floor() * repeat;
-        let mut k = (((x - first) / repeat * n as f64) as usize).min(n - 1);
+        let repeats = (x - first) * self.inverse_repeat;
+        let whole = floor(repeats);
+        let x = x - whole * repeat;
+        let mut k = (((repeats - whole) * n as f64) as usize).min(n - 1);
         while k > 0 && x < self.knots[k] {
             k -= 1;
         }
@@ -79,18 +95,23 @@ impl Tube {
         (k, x - self.knots[k])
     }
 
-    /// Moves on to the neighbouring piece while `d` lies outside piece `k`.
+    /// Moves on to the neighbouring piece while `d` lies outside piece `k`, and tells whether it did.
     #[inline]
-    fn relocate(&self, k: &mut usize, d: &mut f64) {
+    fn relocate(&self, k: &mut usize, d: &mut f64) -> bool {
+        let mut moved = false;
         while *d < 0.0 {
+            moved = true;
             *k = if *k == 0 { self.pieces.len() - 1 } else { *k - 1 };
             *d += self.knots[*k + 1] - self.knots[*k];
         }
         loop {
             let width = self.knots[*k + 1] - self.knots[*k];
-            if *d <= width {
-                return;
+            // So that a NaN ends here.
+            let past = *d > width;
+            if !past {
+                return moved;
             }
+            moved = true;
             *d -= width;
             *k = if *k + 1 == self.pieces.len() { 0 } else { *k + 1 };
         }
@@ -113,16 +134,31 @@ impl Tube {
     }
 
     /// Distance from a point inside, or on the surface looking in, to the surface; any value of at least `limit` once
-    /// the surface is known to be that far. Each step ends where the parabola with curvature M would meet the surface,
-    /// so none passes it.
+    /// the surface is known to be that far.
+    ///
+    /// Around any point c of the centre line, (u/a)² + |p − c|²/b² < 1 is inside the tube, and along the ray a parabola
+    /// whose curvature is M. Each step ends where that parabola meets the surface, so none passes it; c follows the ray
+    /// and is the nearest point in the end, where the parabola is F to second order.
     pub fn inside_distance(&self, from: Local, along: Local, limit: f64) -> f64 {
         let bend = self.bend(along);
         let (mut k, mut d) = self.locate(from.x);
         let (mut u, mut z) = (from.u, from.z);
+        let mut memory = Memory::default();
         let mut distance = 0.0;
-        for n in 0..MAX_STEPS {
-            let (f, slope) = self.value(self.pieces[k].offset(d, z), u, along);
-            if n > 0 && f > -ON_SURFACE {
+        for _ in 0..MAX_STEPS {
+            let near = self.pieces[k].near(d, z, &mut memory);
+            let [x_away, z_away] = near.away;
+            let f = u * u * self.inverse_a2 + (x_away * x_away + z_away * z_away) * self.inverse_b2 - 1.0;
+            let slope = u * along.u * self.inverse_a2 + (x_away * along.x + z_away * along.z) * self.inverse_b2;
+            if !near.settled && (f > -0.01 || distance == 0.0) {
+                // The circle around this point of the line need not hold the ray's point yet.
+                let rest = limit - distance;
+                if f < 0.0 && f + rest * (2.0 * slope + bend * rest) < 0.0 {
+                    return limit;
+                }
+                continue;
+            }
+            if f > -ON_SURFACE && distance > 0.0 {
                 // What is left is below rounding unless the ray grazes.
                 return distance + if slope > 0.0 { (-0.5 * f / slope).max(0.0) } else { 0.0 };
             }
@@ -137,7 +173,11 @@ impl Tube {
             } else {
                 (root - slope) / bend
             };
-            if n == 0 {
+            // F is off by at most M / 2 times the step's square there, below rounding.
+            if near.settled && f > -LAST_STEP && slope > 0.0 && slope * slope > 1e-3 * bend {
+                return distance + step;
+            }
+            if distance == 0.0 {
                 step = step.max(LEAVE * self.half_height);
             }
             distance += step;
@@ -147,7 +187,9 @@ impl Tube {
             d += step * along.x;
             z += step * along.z;
             u += step * along.u;
-            self.relocate(&mut k, &mut d);
+            if self.relocate(&mut k, &mut d) {
+                memory = Memory::default();
+            }
         }
         f64::INFINITY
     }
@@ -161,21 +203,22 @@ impl Tube {
         let sideways = along.u * along.u * self.inverse_a2;
         let in_plane = along.x * along.x + along.z * along.z;
         let speed = in_plane.sqrt();
+        let mut memory = Memory::default();
         let mut distance = range[0];
         for _ in 0..MAX_STEPS {
             if distance > range[1] {
                 return None;
             }
             let at = from.moved(along, distance);
-            if let Some(least) = piece.at_least(at.x, at.z)
-                && least > 1.25 * self.half_height
-            {
-                // √(F + 1) changes by at most √(M / 2) per unit of distance.
-                let section = (at.u * at.u * self.inverse_a2 + least * least * self.inverse_b2).sqrt();
-                distance += (section - 1.0) / steepest;
-                continue;
-            }
-            let offset = piece.offset(at.x, at.z);
+            let offset = match piece.seen(at.x, at.z, 1.25 * self.half_height, &mut memory) {
+                Seen::Offset(offset) => offset,
+                Seen::AtLeast(least) => {
+                    // √(F + 1) changes by at most √(M / 2) per unit of distance.
+                    let section = (at.u * at.u * self.inverse_a2 + least * least * self.inverse_b2).sqrt();
+                    distance += (section - 1.0) / steepest;
+                    continue;
+                }
+            };
             let (f, slope) = self.value(offset, at.u, along);
             if f <= ON_SURFACE && slope < 0.0 {
                 return Some(distance);
@@ -206,27 +249,48 @@ impl Tube {
         None
     }
 
-    /// The point of the surface next to one within rounding of it, the outward normal there and the centre line's
-    /// tangent, each as (x, u, z).
-    pub fn surface(&self, near: Local) -> [Local; 3] {
+    /// The surface next to a point within rounding of it.
+    pub fn skin(&self, near: Local) -> Skin {
         let (k, d) = self.locate(near.x);
         let Offset { v, normal } = self.pieces[k].offset(d, near.z);
         let (gu, gv) = (near.u * self.inverse_a2, v * self.inverse_b2);
-        let square = gu * gu + gv * gv;
         let f = near.u * gu + v * gv - 1.0;
-        let back = -0.5 * f / square;
-        let length = square.sqrt();
+        let inverse = 1.0 / (gu * gu + gv * gv).sqrt();
         let outward = Local {
-            x: gv * normal[0] / length,
-            u: gu / length,
-            z: gv * normal[1] / length,
+            x: gv * normal[0] * inverse,
+            u: gu * inverse,
+            z: gv * normal[1] * inverse,
         };
-        let tangent = Local {
-            x: normal[1],
-            u: 0.0,
-            z: -normal[0],
-        };
-        [near.moved(outward, back * length), outward, tangent]
+        let back = -0.5 * f * inverse;
+        Skin {
+            to_surface: Local {
+                x: back * outward.x,
+                u: back * outward.u,
+                z: back * outward.z,
+            },
+            normal: outward,
+            tangent: Local {
+                x: normal[1],
+                u: 0.0,
+                z: -normal[0],
+            },
+        }
+    }
+
+    /// Distance from a point to the surface to first order, negative inside, exact at the surface and for a circular
+    /// section.
+    pub fn signed_distance(&self, at: Local) -> f64 {
+        let (k, d) = self.locate(at.x);
+        let v = self.pieces[k].offset(d, at.z).v;
+        let (p, q) = (at.u * self.inverse_a2, v * self.inverse_b2);
+        let section = (at.u * p + v * q).sqrt();
+        // At the centre line itself the smaller half axis is left.
+        let gradient = (p * p + q * q).sqrt() / section;
+        if section > 1e-9 {
+            (section - 1.0) / gradient
+        } else {
+            -self.half_width.min(self.half_height)
+        }
     }
 
     /// Lowest and highest point of the part of the tube over piece `k`.
@@ -234,6 +298,13 @@ impl Tube {
         let [low, high] = self.pieces[k].heights();
         [low - self.half_height, high + self.half_height]
     }
+}
+
+/// The floor of a number of repeats, without the call that f64::floor is on processors without SSE 4.1.
+#[inline]
+pub(super) fn floor(x: f64) -> f64 {
+    let truncated = x as i64 as f64;
+    if truncated > x { truncated - 1.0 } else { truncated }
 }
 
 /// Smallest positive root of f + 2 s h + c h², f >= 0, or infinity.

@@ -1,5 +1,6 @@
-use super::tube::{Local, Tube};
-use super::{ClothError, ClothSpec, System, YarnId, scene};
+use super::layout::Layout;
+use super::tube::{Local, Skin, Tube, floor};
+use super::{ClothError, ClothSpec, System, YarnId};
 use crate::geometry::{Frame, Vec3};
 
 /// A ray in the cloth's plane may run for ever through a channel of the weave. After this many cells between crossings
@@ -38,6 +39,14 @@ struct Parallel {
     /// Half-way through the gap from each yarn to the next.
     gaps: Vec<f64>,
     repeat: f64,
+    inverse_repeat: f64,
+}
+
+/// A yarn of the endless cloth: its place in the repeat, and the cell across.
+#[derive(Clone, Copy)]
+struct Counted {
+    index: usize,
+    cell: i64,
 }
 
 impl Parallel {
@@ -54,40 +63,71 @@ impl Parallel {
             places,
             gaps,
             repeat,
+            inverse_repeat: 1.0 / repeat,
         }
     }
 
-    /// Place of a yarn counted on through the endless cloth.
     #[inline]
-    fn place(&self, number: i64) -> f64 {
-        let n = self.places.len() as i64;
-        self.places[number.rem_euclid(n) as usize] + self.repeat * number.div_euclid(n) as f64
+    fn place(&self, yarn: Counted) -> f64 {
+        self.places[yarn.index] + self.repeat * yarn.cell as f64
     }
 
-    /// Number of the last yarn that stands at or before `across`.
-    fn before(&self, across: f64) -> i64 {
-        let mut number = (across / self.repeat * self.places.len() as f64).floor() as i64;
-        while self.place(number) > across {
-            number -= 1;
+    #[inline]
+    fn next(&self, Counted { index, cell }: Counted) -> Counted {
+        if index + 1 == self.places.len() {
+            Counted {
+                index: 0,
+                cell: cell + 1,
+            }
+        } else {
+            Counted { index: index + 1, cell }
         }
-        while self.place(number + 1) <= across {
-            number += 1;
+    }
+
+    #[inline]
+    fn previous(&self, Counted { index, cell }: Counted) -> Counted {
+        if index == 0 {
+            Counted {
+                index: self.places.len() - 1,
+                cell: cell - 1,
+            }
+        } else {
+            Counted { index: index - 1, cell }
         }
-        number
+    }
+
+    /// The last yarn that stands at or before `across`.
+    fn before(&self, across: f64) -> Counted {
+        let repeats = (across / self.repeat).floor();
+        let mut yarn = Counted {
+            index: 0,
+            cell: repeats as i64,
+        };
+        while self.place(yarn) > across {
+            yarn = self.previous(yarn);
+        }
+        while self.place(self.next(yarn)) <= across {
+            yarn = self.next(yarn);
+        }
+        yarn
     }
 
     /// The tube around `across` and the distance from its plane.
     #[inline]
     fn nearest(&self, across: f64) -> (&Tube, f64) {
         let n = self.places.len();
-        let mut across = across - (across / self.repeat).floor() * self.repeat;
+        let repeats = across * self.inverse_repeat;
+        let whole = floor(repeats);
+        let mut across = across - whole * self.repeat;
+        let mut k = (((repeats - whole) * n as f64) as usize).min(n - 1);
         // The last gap may end before the repeat does, or past its end.
         if across > self.gaps[n - 1] {
             across -= self.repeat;
+            k = 0;
         } else if across < self.gaps[n - 1] - self.repeat {
             across += self.repeat;
+            k = n - 1;
         }
-        let mut k = ((across.max(0.0) / self.repeat * n as f64) as usize).min(n - 1);
         while k > 0 && across < self.gaps[k - 1] {
             k -= 1;
         }
@@ -118,33 +158,17 @@ fn world(system: System, Local { x, u, z }: Local) -> [f64; 3] {
 impl Tubes {
     /// Errors: those of [`super::Cloth::new`] but for the number of facets.
     pub fn new(spec: &ClothSpec) -> Result<Self, ClothError> {
-        let [warps, wefts] = scene::centre_lines_of(spec)?;
-        let cell_mm = [
-            wefts.len() as f64 * spec.weft_spacing_mm,
-            warps.len() as f64 * spec.warp_spacing_mm,
-        ];
-        let parallel = |system: System, lines: &[super::CentreLine], repeat: f64| {
-            let places = (0..lines.len())
-                .map(|k| (k as f64 + 0.5) * spec.spacing_mm(system))
-                .collect();
-            let radius = spec.radius_mm(system);
-            let tubes = lines
-                .iter()
-                .map(|line| {
-                    let (knots, pieces) = line.pieces();
-                    Tube::new(radius, radius, knots, pieces)
-                })
-                .collect();
-            Parallel::new(tubes, places, repeat)
+        let layout = Layout::new(spec)?;
+        let parallel = |system, repeat| {
+            let yarns = layout.yarns(system);
+            let places = yarns.iter().map(|yarn| yarn.place_mm).collect();
+            Parallel::new(yarns.iter().map(Tube::new).collect(), places, repeat)
         };
-        let warp = parallel(System::Warp, &warps, cell_mm[1]);
-        let weft = parallel(System::Weft, &wefts, cell_mm[0]);
-        let top_mm = (warps[0].crest_mm() + spec.warp_radius_mm).max(wefts[0].crest_mm() + spec.weft_radius_mm);
         Ok(Self {
-            warp,
-            weft,
-            cell_mm,
-            top_mm,
+            warp: parallel(System::Warp, layout.cell_mm[1]),
+            weft: parallel(System::Weft, layout.cell_mm[0]),
+            cell_mm: layout.cell_mm,
+            top_mm: layout.top_mm(),
         })
     }
 
@@ -185,24 +209,15 @@ impl Tubes {
     /// The point of a yarn's surface next to a position within rounding of it, and the outward unit normal.
     pub fn surface(&self, system: System, position: [f64; 3]) -> ([f64; 3], [f64; 3]) {
         let (tube, near) = self.tube(system, position);
-        let [on_surface, normal, _] = tube.surface(near);
-        let moved = [on_surface.x - near.x, on_surface.u - near.u, on_surface.z - near.z];
-        let shift = world(
-            system,
-            Local {
-                x: moved[0],
-                u: moved[1],
-                z: moved[2],
-            },
-        );
+        let Skin { to_surface, normal, .. } = tube.skin(near);
+        let shift = world(system, to_surface);
         (std::array::from_fn(|k| position[k] + shift[k]), world(system, normal))
     }
 
     /// Frame of the yarn of `system` at a position within rounding of its surface.
     pub fn frame(&self, system: System, position: [f64; 3]) -> Frame {
         let (tube, near) = self.tube(system, position);
-        let [_, normal, tangent] = tube.surface(near);
-        Frame::from_axis_normal(world(system, tangent).into(), world(system, normal).into())
+        frame(system, &tube.skin(near))
     }
 
     /// The first yarn on a ray that starts in the air, or on a yarn's surface looking out of it. `direction` is a unit
@@ -220,9 +235,13 @@ impl Tubes {
         let mut number = [self.weft.before(start.x), self.warp.before(start.y)];
         let seam = SEAM * (self.cell_mm[0] + self.cell_mm[1]);
         for _ in 0..MAX_CELLS {
+            let beside = [
+                [number[0], self.weft.next(number[0])],
+                [number[1], self.warp.next(number[1])],
+            ];
             let walls = [
-                [self.weft.place(number[0]), self.weft.place(number[0] + 1)],
-                [self.warp.place(number[1]), self.warp.place(number[1] + 1)],
+                beside[0].map(|yarn| self.weft.place(yarn)),
+                beside[1].map(|yarn| self.warp.place(yarn)),
             ];
             let leave = [0, 1].map(|k| {
                 if d[k] == 0.0 {
@@ -237,14 +256,11 @@ impl Tubes {
             let mut found = None;
             for (system, along, across) in [(System::Warp, 0, 1), (System::Weft, 1, 0)] {
                 let parallel = self.parallel(system);
-                let n = parallel.tubes.len() as i64;
-                let crossed = self.parallel(system.other()).tubes.len() as i64;
-                let piece = number[along].rem_euclid(crossed) as usize;
+                let piece = number[along].index;
                 let direction = local(system, [d.x, d.y, d.z]);
                 for side in 0..2 {
-                    let yarn = number[across] + side as i64;
-                    let index = yarn.rem_euclid(n);
-                    let tube = &parallel.tubes[index as usize];
+                    let Counted { index, cell } = beside[across][side];
+                    let tube = &parallel.tubes[index];
                     let from = Local {
                         x: o[along] - walls[along][0],
                         u: o[across] - walls[across][side],
@@ -263,7 +279,7 @@ impl Tubes {
                         found = Some(YarnId {
                             system,
                             index: index as u32,
-                            lateral: yarn.div_euclid(n),
+                            lateral: cell,
                         });
                     }
                 }
@@ -275,20 +291,30 @@ impl Tubes {
                 return None;
             }
             entry = end;
-            number[axis] += if d[axis] > 0.0 { 1 } else { -1 };
+            let crossed = if axis == 0 { &self.weft } else { &self.warp };
+            number[axis] = if d[axis] > 0.0 {
+                beside[axis][1]
+            } else {
+                crossed.previous(number[axis])
+            };
         }
         None
     }
 
     fn hit(&self, near: Vec3, distance_mm: f64, yarn: YarnId) -> TubeHit {
-        let (position, _) = self.surface(yarn.system, near.into());
+        let (tube, at) = self.tube(yarn.system, near.into());
+        let skin = tube.skin(at);
         TubeHit {
-            position: position.into(),
+            position: near + Vec3::from(world(yarn.system, skin.to_surface)),
             distance_mm,
-            frame: self.frame(yarn.system, position),
+            frame: frame(yarn.system, &skin),
             yarn,
         }
     }
+}
+
+fn frame(system: System, skin: &Skin) -> Frame {
+    Frame::from_axis_normal(world(system, skin.tangent).into(), world(system, skin.normal).into())
 }
 
 /// Cuts [`first`, `last`] to the distances at which a coordinate that starts at 0 and changes at `rate` lies in

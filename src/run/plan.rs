@@ -379,5 +379,6 @@ fn cloth_spec(study: &Study, weave: Weave) -> ClothSpec {
         weft_spacing_mm: spacing_mm,
         segments_around: cloth.segments_around as usize,
         segments_along: cloth.segments_along as usize,
+        ..ClothSpec::default()
     }
 }
