@@ -97,14 +97,19 @@ impl Flights {
         }
         let mut distance = [0.0; LANES];
         for (i, distance) in distance.iter_mut().enumerate() {
-            *distance = shape.distance(at(&self.position, i), at(&self.direction, i), flight[i]);
+            let asked = S::SIDE_BY_SIDE || self.alive & (1 << i) != 0;
+            *distance = if asked {
+                shape.distance(at(&self.position, i), at(&self.direction, i), flight[i])
+            } else {
+                f64::INFINITY
+            };
         }
         for i in 0..LANES {
             let scatters = flight[i] < distance[i];
             let length = if scatters { flight[i] } else { distance[i] };
             let (p, d) = (at(&self.position, i), at(&self.direction, i));
             let moved = [p[0] + d[0] * length, p[1] + d[1] * length, p[2] + d[2] * length];
-            let [on, normal] = if S::SIDE_BY_SIDE | !scatters {
+            let [on, normal] = if S::SIDE_BY_SIDE || !scatters && self.alive & (1 << i) != 0 {
                 shape.surface(moved, d)
             } else {
                 [moved, d]

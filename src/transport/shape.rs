@@ -4,11 +4,11 @@ use crate::geometry::{Frame, Vec3};
 /// A body the walk can run in. Points and directions are (x, y, z) components; both functions run over many paths side
 /// by side, so the shapes here have no branch in them.
 pub trait Shape: Sync {
-    /// Whether [`Shape::surface`] is cheaper to work out in every lane than to leave out where it is not needed.
+    /// Whether both functions are cheaper to work out in every lane than to leave out where they are not needed.
     const SIDE_BY_SIDE: bool = true;
 
     /// Distance to the surface ahead of a point inside (or on the surface, looking in) along a unit direction, mm;
-    /// infinite if the ray never leaves. May be any value of at least `limit_mm` where the surface is no nearer than that.
+    /// infinite if the ray never leaves. May be any value above `limit_mm` where the surface is not nearer than that.
     fn distance(&self, position: [f64; 3], direction: [f64; 3], limit_mm: f64) -> f64;
 
     /// Position on the surface, and outward unit normal there, of a point that [`Shape::distance`] along `direction` led to

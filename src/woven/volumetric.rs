@@ -18,7 +18,8 @@ impl Shape for Inside<'_> {
     const SIDE_BY_SIDE: bool = false;
 
     fn distance(&self, position: [f64; 3], direction: [f64; 3], limit_mm: f64) -> f64 {
-        self.tubes.inside_distance(self.system, position, direction, limit_mm)
+        let distance = self.tubes.inside_distance(self.system, position, direction, limit_mm);
+        if distance < limit_mm { distance } else { f64::INFINITY }
     }
 
     fn surface(&self, position: [f64; 3], _: [f64; 3]) -> [[f64; 3]; 2] {
