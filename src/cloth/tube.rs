@@ -277,6 +277,21 @@ impl Tube {
         }
     }
 
+    /// From a surface point to the one of the same section with an outward normal across the yarn.
+    pub fn around(&self, near: Local, outward: Local) -> Local {
+        let (k, d) = self.locate(near.x);
+        let Offset { v, normal } = self.pieces[k].offset(d, near.z);
+        let (a2, b2) = (self.half_width * self.half_width, self.half_height * self.half_height);
+        let (across, up) = (outward.u, outward.x * normal[0] + outward.z * normal[1]);
+        let scale = 1.0 / (a2 * across * across + b2 * up * up).sqrt();
+        let lift = b2 * up * scale - v;
+        Local {
+            x: lift * normal[0],
+            u: a2 * across * scale - near.u,
+            z: lift * normal[1],
+        }
+    }
+
     /// Distance from a point to the surface to first order, negative inside, exact at the surface and for a circular
     /// section.
     pub fn signed_distance(&self, at: Local) -> f64 {

@@ -220,6 +220,14 @@ impl Tubes {
         frame(system, &tube.skin(near))
     }
 
+    /// The point of the section through a surface point whose outward normal is `normal`, a unit vector perpendicular to the
+    /// yarn's axis there.
+    pub fn beside(&self, system: System, position: [f64; 3], normal: [f64; 3]) -> [f64; 3] {
+        let (tube, near) = self.tube(system, position);
+        let shift = world(system, tube.around(near, local(system, normal)));
+        std::array::from_fn(|k| position[k] + shift[k])
+    }
+
     /// The first yarn on a ray that starts in the air, or on a yarn's surface looking out of it. `direction` is a unit
     /// vector. A yarn that touches the one left there is met at distance 0.
     pub fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<TubeHit> {

@@ -28,7 +28,8 @@ pub(super) struct Air<'a, D, R> {
     /// Sums over particles, by wavelength, in the order of [`ClothLedger::fractions`].
     sums: Vec<[f64; ClothLedger::FRACTIONS]>,
     caught: Vec<Vec<f64>>,
-    /// On the side of the light.
+    /// Whether the detector is to catch light that a yarn has just scattered too, or only what a surface sent on.
+    catch_scattered: bool,
     light_above: bool,
 }
 
@@ -39,7 +40,7 @@ const ABSORBED: usize = 3;
 const GAMES: usize = 4;
 
 impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
-    pub fn new(tubes: &'a Tubes, detector: &'a D, rng: R, wavelengths: usize) -> Self {
+    pub fn new(tubes: &'a Tubes, detector: &'a D, catch_scattered: bool, rng: R, wavelengths: usize) -> Self {
         Self {
             tubes,
             detector,
@@ -48,6 +49,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             queues: Default::default(),
             sums: vec![[0.0; ClothLedger::FRACTIONS]; wavelengths],
             caught: vec![vec![0.0; wavelengths]; detector.bins()],
+            catch_scattered,
             light_above: true,
         }
     }
@@ -82,10 +84,10 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
 
     /// Follows light that leaves a yarn. Where it meets another, one particle goes on for all of it, with a probability equal
     /// to the mean of its weights if that is below 1: then at most as many particles are under way as came in, however many
-    /// parts the light of each is split into.
-    pub fn launch(&mut self, origin: Vec3, direction: Vec3, weights: &[f64]) {
+    /// parts the light of each is split into. `scattered` if particles of the medium sent it here, not a surface.
+    pub fn launch(&mut self, origin: Vec3, direction: Vec3, weights: &[f64], scattered: bool) {
         let Some(hit) = self.tubes.first_hit(origin, direction) else {
-            self.escape(&direction, weights);
+            self.escape(&direction, weights, scattered);
             return;
         };
         let mean = weights.iter().sum::<f64>() / self.wavelengths as f64;
@@ -108,7 +110,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         queue.weights.extend(weights);
     }
 
-    fn escape(&mut self, direction: &Vec3, weights: &[f64]) {
+    fn escape(&mut self, direction: &Vec3, weights: &[f64], scattered: bool) {
         let side = if (direction.z > 0.0) == self.light_above {
             REFLECTED
         } else {
@@ -116,6 +118,9 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         };
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
             sums[side] += weight;
+        }
+        if scattered && !self.catch_scattered {
+            return;
         }
         let caught = &mut self.caught;
         self.detector.find(direction, |bin| {

@@ -24,6 +24,10 @@ impl ViewCones {
         }
     }
 
+    pub fn views(&self) -> &[Vec3] {
+        &self.views
+    }
+
     /// ∫ cosθ dω over the cone about view k, sr: of a cone wholly above the cloth.
     pub fn projected_solid_angle(&self, k: usize) -> f64 {
         std::f64::consts::PI * (1.0 - self.cos_half_angle * self.cos_half_angle) * self.views[k].z

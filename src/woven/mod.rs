@@ -5,10 +5,12 @@
 //! radiance factor. What happens in the air is the same for both.
 
 mod air;
+mod bounces;
 mod detector;
 mod ledger;
 mod volumetric;
 
+pub use bounces::Bounces;
 pub use detector::{Detector, ViewCones};
 pub use ledger::ClothLedger;
 pub use volumetric::{Inside, Volumetric};

@@ -62,7 +62,7 @@ impl Volumetric<'_> {
             Stream::open(self.seed, Purpose::Woven, beam.number, batch, stream_number)
         };
         let wavelengths = self.interiors[0].wavelengths();
-        let air = RefCell::new(Air::new(self.tubes, detector, next(), wavelengths));
+        let air = RefCell::new(Air::new(self.tubes, detector, true, next(), wavelengths));
         air.borrow_mut().shine(&beam.omega_in, particles);
         while !air.borrow().is_empty() {
             for (system, interior) in [System::Warp, System::Weft].into_iter().zip(self.interiors) {
@@ -108,7 +108,7 @@ impl Volumetric<'_> {
                         *mirrored = reflectance * f64::from(*weight);
                     }
                     let direction = normal * (2.0 * cos_in) - omega_in;
-                    air.borrow_mut().launch(arrival.hit.position, direction, &mirrored);
+                    air.borrow_mut().launch(arrival.hit.position, direction, &mirrored, false);
                 }
                 Entry {
                     position: arrival.hit.position,
@@ -116,7 +116,10 @@ impl Volumetric<'_> {
                     omega_in,
                 }
             },
-            |exit| air.borrow_mut().launch(exit.position, exit.direction, exit.weights),
+            |exit| {
+                air.borrow_mut()
+                    .launch(exit.position, exit.direction, exit.weights, exit.scattered)
+            },
         );
         let kept = traced.ledgers.iter().map(|ledger| {
             let mirrored = if self.surface_reflection { 0.0 } else { ledger.reflected };

@@ -8,6 +8,7 @@ mod far_field;
 mod lengths;
 mod radiance_factor;
 mod reabsorption;
+mod scatter;
 
 pub use bssrdf::{BssrdfBatch, BssrdfGrid, PatchTracer};
 pub use direct::{DirectBatch, DirectTracer};
@@ -17,6 +18,7 @@ pub use far_field::{FarFieldBatch, FarFieldGrid, FarFieldTracer};
 pub use lengths::{LengthBins, LengthSums, LengthTally};
 pub use radiance_factor::{FactorWeights, RadianceFactorGrid, WeightTally};
 pub use reabsorption::{ByLength, Change, Reabsorption, Reweighted, Support};
+pub use scatter::{Leaving, Meeting, YarnScatter};
 
 use crate::geometry::{HemisphereGrid, Sectors};
 use crate::optics::Medium;
