@@ -5,7 +5,9 @@ use std::collections::HashMap;
 use specval::colour::{
     Adaptation, ColourError, ColourSystem, Convention, Illuminant, Lab, LinearRgb, Observer, RgbSpace, delta_e_2000,
 };
+use specval::run::Plan;
 use specval::spectrum::WavelengthGrid;
+use specval::study::{ColourSection, Study};
 
 /// Rows of a reference table by column name.
 fn rows(file: &str) -> Vec<HashMap<String, String>> {
@@ -65,7 +67,7 @@ fn every_tabulated_convention() {
                 } else {
                     Observer::Cie1964
                 },
-                illuminant: row["illuminant"].parse().unwrap(),
+                illuminant: Illuminant::load(&row["illuminant"]).unwrap(),
                 rgb,
                 adaptation,
             };
@@ -99,10 +101,10 @@ fn whites_of_all_illuminants_and_observers() {
             } else {
                 Observer::Cie1964
             },
-            illuminant: row["illuminant"].parse().unwrap(),
+            illuminant: Illuminant::load(&row["illuminant"]).unwrap(),
             ..Convention::default()
         };
-        let white = ColourSystem::new(&WavelengthGrid::preprint(), convention)
+        let white = ColourSystem::new(&WavelengthGrid::preprint(), convention.clone())
             .unwrap()
             .white();
         for (found, column) in [(white.x, "X"), (white.y, "Y"), (white.z, "Z")] {
@@ -116,7 +118,7 @@ fn the_perfect_diffuser_is_white_under_every_convention() {
     let grid = WavelengthGrid::preprint();
     assert_eq!(Convention::all().count(), 60);
     for convention in Convention::all() {
-        let system = ColourSystem::new(&grid, convention).unwrap();
+        let system = ColourSystem::new(&grid, convention.clone()).unwrap();
         let colour = system.convert(&[1.0; 35]);
         assert!((colour.xyz.y - 1.0).abs() < 1e-14, "{convention}");
         assert!(delta_e_2000(colour.lab, Lab([100.0, 0.0, 0.0])) < 1e-11, "{convention}");
@@ -138,7 +140,7 @@ fn the_perfect_diffuser_is_white_under_every_convention() {
 fn channel_weights_are_the_conversion() {
     let beta: Vec<f64> = (0..35).map(|i| 0.01 + 0.02 * f64::from(i)).collect();
     for convention in Convention::all() {
-        let system = ColourSystem::new(&WavelengthGrid::preprint(), convention).unwrap();
+        let system = ColourSystem::new(&WavelengthGrid::preprint(), convention.clone()).unwrap();
         let colour = system.convert(&beta);
         let sums = system
             .channel_weights()
@@ -162,7 +164,9 @@ fn a_grid_with_unequal_steps_weighs_by_interval() {
         ..Convention::default()
     };
     let uneven = WavelengthGrid::new(vec![450.0, 500.0, 600.0]).unwrap();
-    let found = ColourSystem::new(&uneven, convention).unwrap().xyz(&[1.0, 0.0, 0.5]);
+    let found = ColourSystem::new(&uneven, convention.clone())
+        .unwrap()
+        .xyz(&[1.0, 0.0, 0.5]);
     // ybar and xbar of the CIE 1931 table at 450, 500, 600 nm; widths 50, 75, 100 nm.
     let y = 50.0 * 0.038 + 75.0 * 0.323 + 100.0 * 0.631;
     assert!((found.y - (50.0 * 0.038 + 50.0 * 0.631) / y).abs() < 1e-15);
@@ -192,20 +196,171 @@ fn names_in_files_and_flags() {
         Convention::default().to_string(),
         "cie1931-2deg, D65, srgb, adaptation none"
     );
-    let parsed: Convention =
+    let parsed: ColourSection =
         toml::from_str("illuminant = \"E\"\nrgb = \"cie-rgb\"\nadaptation = \"bradford\"").unwrap();
-    assert_eq!((parsed.observer, parsed.illuminant), (Observer::Cie1931, Illuminant::E));
+    let convention = parsed.convention().unwrap();
     assert_eq!(
-        toml::from_str::<Convention>(&toml::to_string(&parsed).unwrap()).unwrap(),
+        (convention.observer, convention.illuminant, convention.rgb),
+        (Observer::Cie1931, Illuminant::E, RgbSpace::CieRgb)
+    );
+    assert_eq!(
+        toml::from_str::<ColourSection>(&toml::to_string(&parsed).unwrap()).unwrap(),
         parsed
     );
-    assert_eq!("d50".parse(), Ok(Illuminant::D50));
-    assert!(toml::from_str::<Convention>("iluminant = \"E\"").is_err());
+    assert_eq!(Illuminant::load("d50"), Ok(Illuminant::D50));
+    assert!(toml::from_str::<ColourSection>("iluminant = \"E\"").is_err());
     let message = "sRGBB".parse::<RgbSpace>().unwrap_err().to_string();
     assert!(
         message.contains("did you mean 'srgb'?") && message.contains("cie-rgb, ntsc"),
         "{message}"
     );
+}
+
+/// Rows of a table in `spectra/`: its wavelengths and the columns named.
+fn built_in(table: &str, columns: &[&str]) -> Vec<Vec<String>> {
+    let path = format!("{}/spectra/{table}.csv", env!("CARGO_MANIFEST_DIR"));
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
+    let rows = reader.deserialize::<HashMap<String, String>>().map(Result::unwrap);
+    let row = |row: HashMap<String, String>| {
+        let cells = ["wavelength_nm"].iter().chain(columns);
+        cells.map(|column| row[*column].clone()).collect()
+    };
+    rows.map(row).collect()
+}
+
+/// The same table as CSV, as CGATS with a set a wavelength, and as CGATS with a set a spectrum.
+fn files_of(rows: &[Vec<String>], titles: &[&str]) -> [String; 3] {
+    let csv: String = rows.iter().map(|row| row.join(",") + "\n").collect();
+    let lines: String = rows.iter().map(|row| row.join("\t") + "\n").collect();
+    let columns = titles.join(" ");
+    let by_wavelength = format!(
+        "CGATS.17\nORIGINATOR \"a lamp\"\nNUMBER_OF_FIELDS {}\nBEGIN_DATA_FORMAT\nSPECTRAL_NM {columns}\nEND_DATA_FORMAT\n\
+         NUMBER_OF_SETS {}\nBEGIN_DATA\n{lines}END_DATA\n",
+        1 + titles.len(),
+        rows.len()
+    );
+    let bands: String = rows.iter().map(|row| format!(" SPEC_{}", row[0])).collect();
+    let sets: String = (1..=titles.len())
+        .map(|k| {
+            let values: String = rows.iter().map(|row| format!(" {}", row[k])).collect();
+            format!("{} {values}\n", titles[k - 1])
+        })
+        .collect();
+    let by_spectrum = format!("BEGIN_DATA_FORMAT\nSAMPLE_NAME{bands}\nEND_DATA_FORMAT\nBEGIN_DATA\n{sets}END_DATA\n");
+    [
+        format!("wavelength_nm,{}\n{csv}", titles.join(",")),
+        by_wavelength,
+        by_spectrum,
+    ]
+}
+
+/// Copies of the built-in tables, named by path in a study, give the bits of the built-in ones, white and Lab included.
+#[test]
+fn a_study_with_tables_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    let d50 = files_of(&built_in("illuminants", &["D50"]), &["value"]);
+    let functions = ["xbar", "ybar", "zbar"];
+    let ten = files_of(&built_in("cie1964-10deg", &functions), &functions);
+    let named = Plan::new(study("D50", "cie1964-10deg")).unwrap();
+    let beta: Vec<f64> = (0..35).map(|i| 0.01 + 0.02 * f64::from(i)).collect();
+    for (lamp, observer) in d50.iter().zip(&ten) {
+        let (lamp_path, observer_path) = (at("lamp.txt", lamp), at("observer.txt", observer));
+        let given = Plan::new(study(&lamp_path, &observer_path)).unwrap();
+        assert_eq!(given.colour.white(), named.colour.white());
+        assert_eq!(given.colour.convert(&beta), named.colour.convert(&beta));
+        let digests: Vec<&str> = given.inputs.iter().map(|input| input.name.as_str()).collect();
+        assert!(
+            digests.contains(&format!("illuminant {lamp_path}").as_str()),
+            "{digests:?}"
+        );
+        assert!(
+            digests.contains(&format!("observer {observer_path}").as_str()),
+            "{digests:?}"
+        );
+        // Another byte is another input, even where no value changes.
+        at("lamp.txt", &format!("{lamp}# a note\n"));
+        let noted = Plan::new(study(&lamp_path, &observer_path)).unwrap();
+        assert_ne!(noted.inputs, given.inputs);
+    }
+    assert_ne!(
+        named.colour.white(),
+        Plan::new(Study::default()).unwrap().colour.white()
+    );
+}
+
+fn study(illuminant: &str, observer: &str) -> Study {
+    let mut study = Study::default();
+    study.colour.illuminant = illuminant.into();
+    study.colour.observer = observer.into();
+    study
+}
+
+#[test]
+fn tables_of_a_users_own_are_refused_before_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let refusal = |text: &str, observer: bool| {
+        let path = folder.path().join("table.txt");
+        std::fs::write(&path, text).unwrap();
+        let path = path.display().to_string();
+        let study = match observer {
+            true => study("D65", &path),
+            false => study(&path, "cie1931-2deg"),
+        };
+        let message = Plan::new(study).err().unwrap().to_string();
+        assert!(message.contains(&path), "{message}");
+        message
+    };
+    let row = |nm: i32| format!("{nm},1\n");
+    let lamp = |nm: &mut dyn Iterator<Item = i32>| format!("wavelength_nm,value\n{}", nm.map(row).collect::<String>());
+    for (text, says) in [
+        (lamp(&mut (400..=730).step_by(10)), "no value at 390 nm"),
+        (lamp(&mut (390..=720).step_by(10)), "no value at 730 nm"),
+        (
+            lamp(&mut (390..=730).rev()),
+            "line 3, column wavelength_nm: expected a wavelength above 730 nm",
+        ),
+        (
+            lamp(&mut (390..=730)).replace("400,1", "400,-1"),
+            "line 12, column value: expected a value of 0 or more, found -1",
+        ),
+        (lamp(&mut (390..=730)).replace("400,1", "400,NaN"), "found NaN"),
+        (
+            lamp(&mut (390..=730)).replace("value", "power"),
+            "the columns wavelength_nm,value",
+        ),
+        (
+            "wavelength_nm,xbar,ybar,zbar\n390,1,1,1\n".into(),
+            "the columns wavelength_nm,value",
+        ),
+        (lamp(&mut (390..=730)).replace(",1\n", ",0\n"), "must be positive"),
+    ] {
+        let message = refusal(&text, false);
+        assert!(message.contains(says), "{message}");
+    }
+    for (text, says) in [
+        (
+            "wavelength_nm,xbar,ybar\n390,1,1\n",
+            "three spectra, xbar, ybar and zbar",
+        ),
+        ("wavelength_nm,xbar,ybar,zbar,rbar\n390,1,1,1,1\n", "found rbar, xbar"),
+        ("wavelength_nm,xbar,ybar,zbar\n390,1,1,-1\n", "column zbar"),
+        ("wavelength_nm,xbar,ybar,zbar\n390,1,1,1\n", "no value at 400 nm"),
+    ] {
+        let message = refusal(text, true);
+        assert!(message.contains(says), "{message}");
+    }
+    let missing = Plan::new(study("no/such.csv", "cie1931-2deg"))
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(missing.contains("nor is there a file"), "{missing}");
+    let slip = study("D56", "cie1931-2deg").validate().unwrap_err().to_string();
+    assert!(slip.contains("`colour.illuminant`") && slip.contains("D65"), "{slip}");
 }
 
 #[test]

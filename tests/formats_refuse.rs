@@ -3,9 +3,12 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
-use specval::formats::{Place, ReadOptions, parse, read};
+use specval::formats::{Format, Place, ReadOptions, parse, read, write};
+use specval::spectrum::parse_spectra;
+use specval::weave::WeaveDraft;
 
 /// Remembers the largest single request.
 struct Watched;
@@ -306,55 +309,122 @@ proptest! {
     }
 }
 
-/// A million changed files of each kind; minutes, so only when asked for.
-#[test]
-#[ignore = "minutes"]
-fn a_million_changed_files_of_each_kind_are_survived() {
-    for name in [
-        "dir_plane_bw.ddr",
-        "spec_rgb.sdr",
-        "dir_spherical_bw.ssdd",
-        "dir_iso_rgb.astm",
-        "dir_plane_mono_zemax.bsdf",
-        "dir_asym_mono_lighttools.bsdf",
-        "ttree4_lambert_0p1.xml",
-        "rgl_warped_rgb.bsdf",
-    ] {
-        let good = golden(name);
-        let mut state = 63u64;
-        let mut random = |below: usize| {
-            // Knuth's multiplier; the upper bits are good enough to choose bytes with.
-            state = state
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
-            (state >> 33) as usize % below
-        };
-        LARGEST.store(0, Ordering::Relaxed);
-        let mut taken = 0;
-        for _ in 0..1_000_000 {
-            let mut bytes = good.clone();
-            for _ in 0..1 + random(4) {
-                let end = if random(2) == 0 {
-                    bytes.len().min(500)
-                } else {
-                    bytes.len()
-                };
-                let at = random(end);
-                match random(5) {
-                    0 => bytes[at] = random(256) as u8,
-                    1 => bytes[at] = b"0123456789 .-e\n{}<>"[random(19)],
-                    2 => bytes.insert(at, random(256) as u8),
-                    3 => bytes.truncate(at.max(1)),
-                    _ => drop(bytes.drain(at..(at + random(30)).min(bytes.len()))),
-                }
-                if bytes.is_empty() {
-                    bytes.push(b' ');
-                }
+/// A million changed copies of a small file, none of which may crash, take 10 s or ask for 256 MiB at once.
+fn a_million(what: &str, good: &[u8], taken: impl Fn(&[u8]) -> bool) {
+    const MOST_BYTES: usize = 256 << 20;
+    let mut state = 63u64;
+    let mut random = |below: usize| {
+        // Knuth's multiplier; the upper bits are good enough to choose bytes with.
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (state >> 33) as usize % below
+    };
+    LARGEST.store(0, Ordering::Relaxed);
+    let (start, mut longest, mut count) = (Instant::now(), Duration::ZERO, 0);
+    for _ in 0..1_000_000 {
+        let mut bytes = good.to_vec();
+        for _ in 0..1 + random(4) {
+            let end = if random(2) == 0 {
+                bytes.len().min(500)
+            } else {
+                bytes.len()
+            };
+            let at = random(end);
+            match random(5) {
+                0 => bytes[at] = random(256) as u8,
+                1 => bytes[at] = b"0123456789 .-e\n{}<>"[random(19)],
+                2 => bytes.insert(at, random(256) as u8),
+                3 => bytes.truncate(at.max(1)),
+                _ => drop(bytes.drain(at..(at + random(30)).min(bytes.len()))),
             }
-            taken += usize::from(parse("x", &bytes, &ReadOptions::default()).is_ok());
+            if bytes.is_empty() {
+                bytes.push(b' ');
+            }
+        }
+        let began = Instant::now();
+        count += usize::from(taken(&bytes));
+        longest = longest.max(began.elapsed());
+    }
+    let largest = LARGEST.load(Ordering::Relaxed);
+    println!(
+        "{what}: {count} of a million taken in {:.0} s, the longest in {longest:.1?}, at most {largest} bytes asked for at once",
+        start.elapsed().as_secs_f64()
+    );
+    assert!(largest < MOST_BYTES && longest < Duration::from_secs(10));
+}
+
+/// One ignored test for each reader and its seed: `cargo test --release --test formats_refuse -- --ignored NAME`.
+macro_rules! a_million_of {
+    ($($test:ident: $seed:literal,)+) => {$(
+        #[test]
+        #[ignore = "a minute or two"]
+        fn $test() {
+            let seed = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join($seed)).unwrap();
+            a_million(stringify!($test), &seed, |bytes| parse("x", bytes, &ReadOptions::default()).is_ok());
+        }
+    )+};
+}
+
+a_million_of! {
+    million_csv: "fuzz/corpus/csv/sphere.csv",
+    million_ddr: "fuzz/corpus/ddr/dir_plane_bw.ddr",
+    million_ddt: "fuzz/corpus/ddr/dir_btdf_sigmat_bw.ddt",
+    million_sdr: "fuzz/corpus/sdr/spec_rgb.sdr",
+    million_ssdd_text: "fuzz/corpus/ssdd/dir_spherical_bw.ssdd",
+    million_ssdd_binary: "tests/data/formats/dir_specular_spectral7_binary.ssdd",
+    million_astm: "fuzz/corpus/astm/five.astm",
+    million_zemax: "fuzz/corpus/zemax/dir_plane_mono_zemax.bsdf",
+    million_lighttools: "fuzz/corpus/lighttools/dir_asym_mono_lighttools.bsdf",
+    million_klems: "fuzz/corpus/radiance/two_patches.xml",
+    million_tensor_tree: "fuzz/corpus/radiance/ttree4_lambert_0p1.xml",
+    million_rgl: "fuzz/corpus/rgl/rgl_warped_rgb.bsdf",
+    million_merl_header: "fuzz/corpus/merl/header.binary",
+    million_utia_short: "fuzz/corpus/utia/half.bin",
+}
+
+#[test]
+#[ignore = "a minute or two"]
+fn million_wif() {
+    a_million("million_wif", &golden("twill22.wif"), |bytes| {
+        WeaveDraft::parse("x", bytes).is_ok_and(|draft| draft.draft().is_ok())
+    });
+}
+
+#[test]
+#[ignore = "a minute or two"]
+fn million_spectra() {
+    for name in ["sets.txt", "argyll.sp", "waves.txt", "observer.csv"] {
+        let seed = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("fuzz/corpus/spectra")
+            .join(name);
+        a_million(name, &std::fs::read(seed).unwrap(), |bytes| {
+            parse_spectra("x", bytes).is_ok()
+        });
+    }
+}
+
+/// Files of the one size that MERL and UTIA have are too large for a million: a hundred of each.
+#[test]
+#[ignore = "half a minute"]
+fn a_hundred_changed_files_of_full_size() {
+    let lambert = write(
+        &parse("x.ddr", &golden("dir_iso_rgb.ddr"), &ReadOptions::default()).unwrap(),
+        Format::Merl,
+        None,
+    );
+    let utia = vec![0.5f64.to_le_bytes(); 1_990_656 / 8].concat();
+    for (what, good) in [("merl", lambert.unwrap().bytes), ("utia", utia)] {
+        LARGEST.store(0, Ordering::Relaxed);
+        for change in 0..100usize {
+            let mut bytes = good.clone();
+            let at = change.wrapping_mul(2_654_435_761) % bytes.len();
+            let end = (at + 8).min(bytes.len());
+            bytes[at..end].fill((change * 37 % 256) as u8);
+            let _ = parse("x", &bytes, &ReadOptions::default());
         }
         let largest = LARGEST.load(Ordering::Relaxed);
-        println!("{name}: {taken} of a million taken, at most {largest} bytes asked for");
-        assert!(largest < LARGEST_ALLOWED);
+        println!("{what}: at most {largest} bytes asked for at once");
+        assert!(largest < 256 << 20);
     }
 }

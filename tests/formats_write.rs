@@ -270,3 +270,76 @@ proptest! {
         }
     }
 }
+
+/// Standard errors of a CSV come through a CSV, and between readings are those of independent ones.
+#[test]
+fn standard_errors_survive() {
+    for text in [
+        "theta_i_deg,theta_v_deg,wavelength_nm,beta,beta_se\n0,-30,500,0.4,0.04\n0,-30,600,0.5,0.05\n0,30,500,0.6,0.03\n0,30,600,0.7,0\n",
+        "theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b,beta_r_se,beta_g_se,beta_b_se\n0,-30,0.4,0.5,0.1,0.04,0.05,0\n0,30,0.6,0.7,0.1,0.03,0,0\n",
+        "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,beta_x,beta_y,beta_z,beta_x_se,beta_y_se,beta_z_se\n0,0,30,0,0.4,0.5,0.1,0.04,0.05,0\n0,0,30,180,0.6,0.7,0.1,0.03,0,0\n",
+    ] {
+        let data = parse("x.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
+        assert!(data.warnings.is_empty(), "{:?}", data.warnings);
+        let written = write(&data, Format::Csv, None).unwrap();
+        assert_eq!(std::str::from_utf8(&written.bytes).unwrap(), text);
+    }
+    let half = parse(
+        "x.csv",
+        b"theta_i_deg,theta_v_deg,beta,beta_se\n0,10,0.4,0.03\n0,30,0.6,0.04\n",
+        &ReadOptions::default(),
+    )
+    .unwrap();
+    let (omega_in, omega_out) = (direction(0.0, 0.0), direction(20f64.to_radians(), 0.0));
+    let found = half.components[0].standard_errors(&omega_in, &omega_out).unwrap();
+    assert!((found[0] - 0.025).abs() < 1e-15, "{found:?}");
+    let astm = write(&half, Format::Astm, None).unwrap();
+    assert!(astm.notices.iter().any(|notice| notice.contains("standard errors")));
+    for bad in ["beta,beta_r_se", "beta,beta_se,beta_se"] {
+        let text = format!("theta_i_deg,theta_v_deg,{bad}\n0,10,0.4,0.03\n");
+        assert!(
+            parse("x.csv", text.as_bytes(), &ReadOptions::default()).is_err(),
+            "{bad}"
+        );
+    }
+    let negative = "theta_i_deg,theta_v_deg,beta,beta_se\n0,10,0.4,-0.03\n";
+    assert!(parse("x.csv", negative.as_bytes(), &ReadOptions::default()).is_err());
+}
+
+/// MERL from an anisotropic source: at each node the mean over eight turns of what the source has there.
+#[test]
+fn merl_holds_the_mean_over_turns() {
+    let name = "dir_aniso_rgb.ddr";
+    let source = load(name);
+    let written = write(&source, Format::Merl, None).unwrap();
+    let merl = parse("x.binary", &written.bytes, &ReadOptions::default()).unwrap();
+    let mut compared = 0;
+    for (theta_i, theta_o, phi) in [
+        (0.0, 0.0, 0.0),
+        (20.0, 0.0, 0.0),
+        (20.0, 20.0, 180.0),
+        (30.0, 30.0, 180.0),
+    ] {
+        let toward = |theta: f64, phi: f64| direction(theta.to_radians(), phi.to_radians());
+        let Some(found) = merl.eval(&toward(theta_i, 0.0), &toward(theta_o, phi)) else {
+            continue;
+        };
+        let turns = (0..8).map(|turn| 45.0 * f64::from(turn));
+        let all: Option<Vec<Vec<f64>>> = turns
+            .map(|turn| {
+                let pair = (toward(theta_i, turn), toward(theta_o, phi + turn));
+                source.eval(&pair.0, &pair.1)?.bsdf()
+            })
+            .collect();
+        let Some(all) = all else { continue };
+        for (channel, value) in found.bsdf().unwrap().iter().enumerate() {
+            let mean = all.iter().map(|f| f[channel]).sum::<f64>() / 8.0;
+            assert!(
+                (value - mean).abs() < 1e-12,
+                "{name} {theta_i} {theta_o}: {value} {mean}"
+            );
+        }
+        compared += 1;
+    }
+    assert!(compared > 0);
+}

@@ -114,7 +114,7 @@ fn spectral_data_go_through_the_one_conversion() {
             ..Convention::default()
         },
     ] {
-        let system = ColourSystem::new(&grid, convention).unwrap();
+        let system = ColourSystem::new(&grid, convention.clone()).unwrap();
         for (v, interpolated) in [(0.0, false), (20.0, false), (15.0, true)] {
             let spectrum = sample.spectrum(0.0, v).unwrap().unwrap();
             for (nm, found) in grid.nm().iter().zip(spectrum.values()) {

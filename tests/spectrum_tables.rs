@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use specval::spectrum::{SpectrumError, WavelengthGrid, read_csv_spectra, read_csv_spectrum, tables};
+use specval::spectrum::{SpectrumError, WavelengthGrid, read_spectra, read_spectrum, tables};
 
 #[test]
 fn observers_and_illuminants_carry_the_cie_values() {
@@ -125,7 +125,7 @@ fn file(text: &str) -> tempfile::NamedTempFile {
 #[test]
 fn a_users_dye_file() {
     let good = file("# my dye\nwavelength_nm,value\n400,0.5\n500,1\n");
-    assert_eq!(read_csv_spectrum(good.path()).unwrap().at(450.0).unwrap(), 0.75);
+    assert_eq!(read_spectrum(good.path(), 0.0..=1.0).unwrap().at(450.0).unwrap(), 0.75);
     let cases = [
         ("wavelength_nm,value\n500,0.1\n400,0.2\n", 3, "above 500 nm"),
         ("wavelength_nm,value\n500,0.1\n500,0.2\n", 3, "above 500 nm"),
@@ -140,7 +140,7 @@ fn a_users_dye_file() {
     ];
     for (text, line, expected) in cases {
         let file = file(text);
-        match read_csv_spectrum(file.path()).unwrap_err() {
+        match read_spectrum(file.path(), 0.0..=1.0).unwrap_err() {
             SpectrumError::Csv(e) => {
                 assert_eq!(e.line, line, "{text:?}: {e}");
                 assert!(e.expected.contains(expected), "{text:?}: {e}");
@@ -150,7 +150,7 @@ fn a_users_dye_file() {
         }
     }
     assert!(matches!(
-        read_csv_spectrum(std::path::Path::new("/nowhere/at/all.csv")),
+        read_spectrum(std::path::Path::new("/nowhere/at/all.csv"), 0.0..=1.0),
         Err(SpectrumError::Read { .. })
     ));
 }
@@ -160,8 +160,8 @@ fn spectra_by_column_and_by_row_are_the_same() {
     let by_column = file("wavelength_nm,a,b\n400,1,-3\n500,2,4\n");
     let by_row = file("id,name,R400,R500\n1,a,1,2\n2,b,-3,4\n");
     let (columns, rows) = (
-        read_csv_spectra(by_column.path()).unwrap(),
-        read_csv_spectra(by_row.path()).unwrap(),
+        read_spectra(by_column.path()).unwrap(),
+        read_spectra(by_row.path()).unwrap(),
     );
     assert_eq!(columns, rows);
     assert_eq!(columns[1].1.values(), [-3.0, 4.0]);
@@ -171,6 +171,136 @@ fn spectra_by_column_and_by_row_are_the_same() {
         "name,R500,R400\nx,1,2\n",
         "wavelength_nm\n400\n",
     ] {
-        assert!(read_csv_spectra(file(bad).path()).is_err(), "{bad:?}");
+        assert!(read_spectra(file(bad).path()).is_err(), "{bad:?}");
     }
+}
+
+/// One file in every layout of CGATS-like text.
+#[test]
+fn spectra_in_cgats_text() {
+    let by_set = "CGATS.17\n# a comment\nORIGINATOR \"someone's \"\"lab\"\"\"\nKEYWORD \"LAMP\"\nLAMP \"two of them\"\n\n\
+                  NUMBER_OF_FIELDS 4\nBEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME\n SPEC_400 SPEC_500 # bands\nEND_DATA_FORMAT\n\
+                  NUMBER_OF_SETS 2\nBEGIN_DATA\n1 \"first one\" 1 2\n\n2\tsecond -3 4\nEND_DATA\n# the end\n";
+    let expected = vec![[1.0, 2.0], [-3.0, 4.0]];
+    for field in ["SPEC_", "SPECTRAL_NM", "SPECTRAL_NM_", "SPECTRAL_", "nm", "R_", "R", ""] {
+        let found = read_spectra(file(&by_set.replace("SPEC_", field)).path()).unwrap();
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["first one", "second"], "{field}");
+        let values: Vec<&[f64]> = found.iter().map(|(_, samples)| samples.values()).collect();
+        assert_eq!(values, expected, "{field}");
+        assert_eq!(found[0].1.grid().nm(), [400.0, 500.0], "{field}");
+    }
+    for end in ["\r\n", "\r"] {
+        let found = read_spectra(file(&by_set.replace('\n', end)).path()).unwrap();
+        assert_eq!(found[1].1.values(), expected[1], "{end:?}");
+    }
+    let by_wavelength =
+        "BEGIN_DATA_FORMAT\nSAMPLE_ID WAVELENGTH a\nEND_DATA_FORMAT\nBEGIN_DATA\n1 400 1\n2 500 0.5\nEND_DATA\n";
+    assert_eq!(
+        read_spectrum(file(by_wavelength).path(), ..).unwrap().at(450.0),
+        Ok(0.75)
+    );
+    // ISO 28178: SPECTRAL_PCT is per cent, SPECTRAL_DEC a fraction.
+    let percent = by_wavelength
+        .replace("WAVELENGTH a", "SPECTRAL_NM SPECTRAL_PCT")
+        .replace("0.5", "50")
+        .replace("400 1", "400 100");
+    assert_eq!(
+        read_spectrum(file(&percent).path(), 0.0..=1.0).unwrap().at(450.0),
+        Ok(0.75)
+    );
+}
+
+/// Bands of 10/3 nm, whose titles are rounded, and values over a norm, as in Argyll's `.sp` files.
+#[test]
+fn key_words_state_bands_and_norm() {
+    let text = "SPECT\nSPECTRAL_BANDS \"4\"\nSPECTRAL_START_NM \"400.0\"\nSPECTRAL_END_NM \"410.0\"\nSPECTRAL_NORM \"100.0\"\n\
+                NUMBER_OF_FIELDS 4\nBEGIN_DATA_FORMAT\nSPEC_400 SPEC_403 SPEC_407 SPEC_410\nEND_DATA_FORMAT\n\
+                NUMBER_OF_SETS 1\nBEGIN_DATA\n0 50 100 25\nEND_DATA\n";
+    let found = read_spectra(file(text).path()).unwrap();
+    assert_eq!(found[0].0, "1");
+    assert_eq!(found[0].1.values(), [0.0, 0.5, 1.0, 0.25]);
+    for (nm, expected) in found[0]
+        .1
+        .grid()
+        .nm()
+        .iter()
+        .zip([400.0, 403.0 + 1.0 / 3.0, 406.0 + 2.0 / 3.0, 410.0])
+    {
+        assert!((nm - expected).abs() < 1e-12, "{nm}");
+    }
+    for (from, to) in [("\"4\"", "\"5\""), ("\"410.0\"", "\"420.0\""), ("\"400.0\"", "\"-1\"")] {
+        let error = read_spectra(file(&text.replacen(from, to, 1)).path()).unwrap_err();
+        assert!(matches!(error, SpectrumError::Csv(_)), "{from} {to}: {error}");
+    }
+    let too_much = read_spectrum(file(&text.replace(" 100 ", " 101 ")).path(), 0.0..=1.0).unwrap_err();
+    assert!(too_much.to_string().contains("line 12, column SPEC_407"), "{too_much}");
+}
+
+#[test]
+fn faults_of_cgats_text_are_named() {
+    let good = "CGATS.17\nNUMBER_OF_FIELDS 3\nBEGIN_DATA_FORMAT\nSAMPLE_ID nm400 nm500\nEND_DATA_FORMAT\n\
+                NUMBER_OF_SETS 2\nBEGIN_DATA\na 1 2\nb 3 4\nEND_DATA\n";
+    assert_eq!(read_spectra(file(good).path()).unwrap().len(), 2);
+    for (from, to, line, says) in [
+        ("FIELDS 3", "FIELDS 4", 2, "4, as stated here, found 3"),
+        ("FIELDS 3", "FIELDS three", 2, "a number above 0, found three"),
+        ("SETS 2", "SETS 3", 6, "3, as stated here, found 2"),
+        ("SETS 2", "SETS 2\nNUMBER_OF_SETS 2", 7, "NUMBER_OF_SETS twice"),
+        ("nm400 nm500", "nm500 nm400", 3, "ascending wavelengths"),
+        ("nm400 nm500", "nm400 nm400", 3, "'nm400' twice"),
+        ("nm400 nm500", "XYZ_X XYZ_Y", 3, "SPEC_390"),
+        (
+            "a 1 2",
+            "a 1",
+            8,
+            "3 values, one a field of the data format, or END_DATA, found 2",
+        ),
+        ("a 1 2", "a 1 2 3", 8, "found 4"),
+        (
+            "a 1 2",
+            "a 1 NaN",
+            8,
+            "column nm500: expected a finite value, found NaN",
+        ),
+        ("a 1 2", "a 1 1,5", 8, "found 1,5"),
+        ("a 1 2", "\"a 1 2", 8, "closing quotation mark"),
+        ("END_DATA\n", "", 9, "expected END_DATA, found the end of the file"),
+        ("a 1 2\nb 3 4\n", "", 6, "2, as stated here, found 0"),
+        ("END_DATA_FORMAT\n", "", 6, "END_DATA_FORMAT, found BEGIN_DATA"),
+        (
+            "BEGIN_DATA_FORMAT\nSAMPLE_ID nm400 nm500\nEND_DATA_FORMAT\n",
+            "",
+            4,
+            "BEGIN_DATA_FORMAT",
+        ),
+        ("END_DATA\n", "END_DATA\nCGATS.17\n", 11, "keep one table"),
+    ] {
+        let file = file(&match from {
+            // The second of the two that begin alike.
+            "END_DATA\n" => good.strip_suffix(from).unwrap().to_owned() + to,
+            _ => good.replacen(from, to, 1),
+        });
+        match read_spectra(file.path()).unwrap_err() {
+            SpectrumError::Csv(e) => {
+                assert!(e.to_string().contains(says), "{from} → {to}: {e}");
+                assert_eq!(e.line, line, "{from} → {to}: {e}");
+            }
+            other => panic!("{from} → {to}: {other}"),
+        }
+    }
+    // Cut anywhere, it is refused.
+    for cut in 0..good.len() - "\n".len() {
+        assert!(read_spectra(file(&good[..cut]).path()).is_err(), "{:?}", &good[..cut]);
+    }
+}
+
+#[test]
+fn what_is_no_file_of_spectra() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = |path: &std::path::Path| read_spectra(path).unwrap_err().to_string();
+    assert!(message(folder.path()).contains("a folder"));
+    let sparse = folder.path().join("sparse");
+    std::fs::File::create(&sparse).unwrap().set_len(10 << 30).unwrap();
+    assert!(message(&sparse).contains("10737418240"));
 }

@@ -109,16 +109,17 @@ pub fn whites(context: &Context) -> Result<Gate, CheckError> {
     let mut places = Vec::new();
     for (illuminant, two, ten) in E308 {
         for (observer, [x, z]) in [(Observer::Cie1931, two), (Observer::Cie1964, ten)] {
+            let place = |quantity| Place::named(format!("{quantity}, {illuminant}, {observer}"));
             let convention = Convention {
-                observer,
-                illuminant,
+                observer: observer.clone(),
+                illuminant: illuminant.clone(),
                 rgb: RgbSpace::Srgb,
                 adaptation: Adaptation::None,
             };
             let white = ColourSystem::new(&grid, convention)?.white();
             for (quantity, departure) in [("X", white.x - x), ("Y", white.y - 1.0), ("Z", white.z - z)] {
                 departures.push(departure);
-                places.push(Place::named(format!("{quantity}, {illuminant}, {observer}")));
+                places.push(place(quantity));
             }
         }
     }

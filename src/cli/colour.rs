@@ -1,7 +1,7 @@
 use super::{Failure, Terminal};
 use serde::Serialize;
 use specval::colour::{Adaptation, Colour, ColourSystem, Convention, Illuminant, Observer, RgbSpace};
-use specval::spectrum::read_csv_spectra;
+use specval::spectrum::read_spectra;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -9,14 +9,14 @@ use std::path::PathBuf;
 /// linear and never clipped.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// CSV of spectral brightness factors: the column wavelength_nm first, then one column a spectrum.
+    /// Spectral brightness factors: CSV, the column wavelength_nm first, then one column a spectrum, or CGATS-like text.
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// cie1931-2deg or cie1964-10deg.
-    #[arg(long, default_value_t = Convention::default().observer)]
+    /// cie1931-2deg, cie1964-10deg, or a file of xbar, ybar, zbar.
+    #[arg(long, value_parser = Observer::load, default_value_t = Convention::default().observer)]
     observer: Observer,
-    /// D65, D50, A, C or E.
-    #[arg(long, default_value_t = Convention::default().illuminant)]
+    /// D65, D50, A, C, E, or a file of one spectrum.
+    #[arg(long, value_parser = Illuminant::load, default_value_t = Convention::default().illuminant)]
     illuminant: Illuminant,
     /// srgb, cie-rgb or ntsc.
     #[arg(long, default_value_t = Convention::default().rgb)]
@@ -35,28 +35,28 @@ struct NamedColour {
 
 pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     let convention = Convention {
-        observer: arguments.observer,
-        illuminant: arguments.illuminant,
+        observer: arguments.observer.clone(),
+        illuminant: arguments.illuminant.clone(),
         rgb: arguments.rgb,
         adaptation: arguments.adaptation,
     };
     let mut colours = Vec::new();
     let mut system: Option<ColourSystem> = None;
-    for (name, samples) in read_csv_spectra(&arguments.file)? {
+    for (name, samples) in read_spectra(&arguments.file)? {
         // All spectra of a file stand on one grid.
         let system = match &mut system {
             Some(system) => system,
-            empty => empty.insert(ColourSystem::new(samples.grid(), convention)?),
+            empty => empty.insert(ColourSystem::new(samples.grid(), convention.clone())?),
         };
         colours.push(NamedColour {
             name,
             colour: system.convert(samples.values()),
         });
     }
-    terminal.result(&colours, |colours| text(colours, convention))
+    terminal.result(&colours, |colours| text(colours, &convention))
 }
 
-fn text(colours: &[NamedColour], convention: Convention) -> String {
+fn text(colours: &[NamedColour], convention: &Convention) -> String {
     let width = colours
         .iter()
         .map(|colour| colour.name.chars().count())

@@ -3,6 +3,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::{Illuminant, Observer};
 use crate::spectrum::UnknownName;
 
 /// An enum whose values are known by one name each, in files, flags and messages alike.
@@ -58,32 +59,6 @@ macro_rules! named {
 }
 
 named!(
-    /// CIE standard observer.
-    Observer,
-    "observer",
-    /// CIE 1931, 2 degree field.
-    Cie1931 = "cie1931-2deg",
-    /// CIE 1964, 10 degree field.
-    Cie1964 = "cie1964-10deg"
-);
-
-named!(
-    /// CIE illuminant.
-    Illuminant,
-    "illuminant",
-    /// Daylight, 6504 K.
-    D65 = "D65",
-    /// Daylight, 5003 K.
-    D50 = "D50",
-    /// Tungsten, 2856 K.
-    A = "A",
-    /// Historic daylight, white of NTSC 1953.
-    C = "C",
-    /// Equal energy.
-    E = "E"
-);
-
-named!(
     /// Linear RGB space: primaries and white.
     RgbSpace,
     "RGB space",
@@ -106,8 +81,7 @@ named!(
 );
 
 /// All that turns a spectrum into numbers of colour. A ratio such as G/R of a saturated red means nothing without it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Convention {
     pub observer: Observer,
     pub illuminant: Illuminant,
@@ -128,14 +102,14 @@ impl Default for Convention {
 }
 
 impl Convention {
-    /// Every combination, 60 of them, for tables of a ratio under each.
+    /// Every combination of what is built in, 60 of them, for tables of a ratio under each.
     pub fn all() -> impl Iterator<Item = Self> {
-        Observer::ALL.iter().flat_map(|&observer| {
-            Illuminant::ALL.iter().flat_map(move |&illuminant| {
+        Observer::ALL.iter().flat_map(|observer| {
+            Illuminant::ALL.iter().flat_map(move |illuminant| {
                 RgbSpace::ALL.iter().flat_map(move |&rgb| {
                     Adaptation::ALL.iter().map(move |&adaptation| Self {
-                        observer,
-                        illuminant,
+                        observer: observer.clone(),
+                        illuminant: illuminant.clone(),
                         rgb,
                         adaptation,
                     })

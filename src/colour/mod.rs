@@ -4,15 +4,17 @@
 mod convention;
 mod difference;
 mod rgb_space;
+mod source;
 mod system;
 
-pub use convention::{Adaptation, Convention, Illuminant, Observer, RgbSpace};
+pub use convention::{Adaptation, Convention, RgbSpace};
 pub use difference::delta_e_2000;
+pub use source::{Illuminant, Observer, TableFile};
 pub use system::ColourSystem;
 
 use serde::Serialize;
 
-use crate::spectrum::SpectrumError;
+use crate::spectrum::{SpectrumError, UnknownName};
 
 /// CIE tristimulus values, dimensionless; the perfect diffuser has Y = 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -52,12 +54,17 @@ impl LinearRgb {
     }
 }
 
-/// Why there is no colour conversion for a grid.
+/// Why there is no colour conversion.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ColourError {
     /// The grid leaves the observer's or the illuminant's table.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
+    #[error("{0}; nor is there a file of that name")]
+    NoSuch(UnknownName),
+    /// A file named as an observer or an illuminant.
+    #[error("{kind}: {source}")]
+    File { kind: &'static str, source: SpectrumError },
     #[error(
         "on {low}..{high} nm under {convention} the perfect diffuser has X, Y, Z = {x}, {y}, {z}; all must be positive \
          to speak of colour: take a grid that spans the visible, such as 390..730 nm"
@@ -65,7 +72,7 @@ pub enum ColourError {
     Blind {
         low: f64,
         high: f64,
-        convention: Convention,
+        convention: String,
         x: f64,
         y: f64,
         z: f64,

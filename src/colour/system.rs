@@ -3,7 +3,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::rgb_space::bradford;
 use super::{Adaptation, Colour, ColourError, Convention, Illuminant, Lab, LinearRgb, Xyz};
 use crate::fault::{self, Fault};
-use crate::spectrum::{WavelengthGrid, tables};
+use crate::spectrum::WavelengthGrid;
 
 /// The conversion of spectra on one wavelength grid under one [`Convention`], weights worked out once.
 ///
@@ -23,15 +23,15 @@ pub struct ColourSystem {
 }
 
 impl ColourSystem {
-    /// Fails where the grid leaves the tables (360..780 nm; under E ..830 nm) or sees no colour at all.
+    /// Fails where the grid leaves the tables (built-in ones: 360..780 nm; under E ..830 nm) or sees no colour at all.
     pub fn new(grid: &WavelengthGrid, convention: Convention) -> Result<Self, ColourError> {
-        let observer = tables::observer(convention.observer.name())?;
-        let illuminant = match convention.illuminant {
-            Illuminant::D65 if fault::active(Fault::IlluminantSwap) => Illuminant::E,
-            Illuminant::E if fault::active(Fault::IlluminantSwap) => Illuminant::D65,
+        let observer = convention.observer.tables()?;
+        let illuminant = match &convention.illuminant {
+            Illuminant::D65 if fault::active(Fault::IlluminantSwap) => &Illuminant::E,
+            Illuminant::E if fault::active(Fault::IlluminantSwap) => &Illuminant::D65,
             illuminant => illuminant,
         };
-        let illuminant = tables::illuminant(illuminant.name())?.on(grid)?;
+        let illuminant = illuminant.power()?.on(grid)?;
         let read_at = match fault::active(Fault::ObserverShift) {
             true => &WavelengthGrid::new(grid.nm().iter().map(|nm| nm + 10.0).collect())?,
             false => grid,
@@ -51,7 +51,7 @@ impl ColourSystem {
             return Err(ColourError::Blind {
                 low: grid.nm()[0],
                 high: grid.nm()[grid.len() - 1],
-                convention,
+                convention: convention.to_string(),
                 x: sum.x,
                 y: sum.y,
                 z: sum.z,
@@ -73,8 +73,8 @@ impl ColourSystem {
         })
     }
 
-    pub fn convention(&self) -> Convention {
-        self.convention
+    pub fn convention(&self) -> &Convention {
+        &self.convention
     }
 
     /// The perfect diffuser: the illuminant's own sum on the grid, Y = 1. White of Lab and of the adaptation.

@@ -182,7 +182,7 @@ const SPHERE: [(&str, RangeInclusive<f64>); 4] = [
 ];
 
 /// Columns: angles in degrees as above, theta_o beyond 90 of transmission; then `wavelength_nm,beta`, or
-/// `beta_r,beta_g,beta_b`, `beta_x,beta_y,beta_z` or `beta`. Columns `_se` are passed over with a warning.
+/// `beta_r,beta_g,beta_b`, `beta_x,beta_y,beta_z` or `beta`; then standard errors, the same names with `_se`, all or none.
 pub(super) fn read_csv(text: Text) -> Result<Goniometric, FormatError> {
     let comment = |line: &Line| line.1.trim_start().starts_with('#');
     let mut provenance = Provenance::default();
@@ -231,19 +231,22 @@ pub(super) fn read_csv(text: Text) -> Result<Goniometric, FormatError> {
     for ((_, range), &place) in angle_columns.iter().zip(&angle_places) {
         ranges[place] = range.clone();
     }
-    let mut warnings = Vec::new();
-    for (place, name) in names.iter().enumerate() {
-        if angle_places.contains(&place) || value_places.contains(&place) {
-            continue;
-        }
-        if !name.ends_with("_se") {
-            return Err(text.error(header_at, "known columns, each once", quoted(name)));
-        }
-        warnings.push(format!("standard errors, column {name}, are left out"));
-    }
     let spectral = value_columns[0] == "wavelength_nm";
+    let beta_columns = &value_columns[usize::from(spectral)..];
+    let beta_places = &value_places[usize::from(spectral)..];
+    let error_places = if names.iter().any(|name| name.ends_with("_se")) {
+        let errors = beta_columns.iter().map(|name| place(&format!("{name}_se")));
+        errors.collect::<Result<Vec<_>, _>>()?
+    } else {
+        Vec::new()
+    };
+    let known = [&angle_places[..], &value_places, &error_places].concat();
+    if let Some(other) = (0..names.len()).find(|place| !known.contains(place)) {
+        return Err(text.error(header_at, "known columns, each once", quoted(names[other])));
+    }
     let mut by_geometry: HashMap<Vec<u64>, usize> = HashMap::new();
     let (mut angles, mut at, mut values): (Vec<Vec<f64>>, Vec<usize>, Vec<Vec<f64>>) = Default::default();
+    let mut errors: Vec<Vec<f64>> = Vec::new();
     let mut wavelengths: Vec<Vec<f64>> = Vec::new();
     let mut through = None;
     for line in rows {
@@ -269,6 +272,7 @@ pub(super) fn read_csv(text: Text) -> Result<Goniometric, FormatError> {
             angles.push(degrees.into_iter().map(f64::to_radians).collect());
             at.push(line.0);
             values.push(Vec::new());
+            errors.push(Vec::new());
             wavelengths.push(Vec::new());
         } else if !spectral {
             return Err(text.error(line.0, "every pair of directions once", "a pair again"));
@@ -280,10 +284,9 @@ pub(super) fn read_csv(text: Text) -> Result<Goniometric, FormatError> {
                 return Err(text.error(line.0, expected, nm.to_string()));
             }
             wavelengths[index].push(nm);
-            values[index].push(row[value_places[1]]);
-        } else {
-            values[index].extend(value_places.iter().map(|&place| row[place]));
         }
+        values[index].extend(beta_places.iter().map(|&place| row[place]));
+        errors[index].extend(error_places.iter().map(|&place| row[place]));
     }
     if angles.is_empty() {
         return Err(text.error(text.text.len(), "lines of readings", "the end of the file"));
@@ -302,6 +305,7 @@ pub(super) fn read_csv(text: Text) -> Result<Goniometric, FormatError> {
         _ => Channels::Monochrome,
     };
     let table = scattered(text, directions, &angles, &at, channels.count(), values.concat())?;
+    let table = table.with_errors((!error_places.is_empty()).then(|| errors.concat()));
     Ok(Goniometric {
         format: Format::Csv,
         provenance,
@@ -316,6 +320,6 @@ pub(super) fn read_csv(text: Text) -> Result<Goniometric, FormatError> {
             channels,
             table: Table::Scattered(table),
         }],
-        warnings,
+        warnings: Vec::new(),
     })
 }

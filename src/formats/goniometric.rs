@@ -149,6 +149,20 @@ pub enum Table {
     Specular(SpecularTable),
 }
 
+impl Table {
+    /// Of light from above that is seen from above; `None` outside what was measured.
+    fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+        match self {
+            Self::Grid(grid) => grid.eval(omega_in, omega_out),
+            Self::Scattered(scattered) => scattered.eval(omega_in, omega_out),
+            Self::Warped(warped) => warped.eval(omega_in, omega_out),
+            Self::Klems(matrix) => matrix.eval(omega_in, omega_out),
+            Self::Tree(tree) => tree.eval(omega_in, omega_out),
+            Self::Specular(_) => None,
+        }
+    }
+}
+
 /// How an evaluation came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -205,7 +219,62 @@ impl Component {
     /// Values at unit directions to the light and to the viewer. `None` outside what was measured, on the wrong sides of
     /// the surface, and for specular tables.
     pub fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Evaluation> {
-        // Tables know light from above that is seen from above.
+        let (omega_in, omega_out) = self.upright(omega_in, omega_out)?;
+        let (values, placement) = self.table.eval(&omega_in, &omega_out)?;
+        Some(Evaluation {
+            quantity: self.quantity,
+            values,
+            placement,
+            cos_out: omega_out.z.max(0.0),
+        })
+    }
+
+    /// Standard errors of [`Component::eval`]'s values, one a channel, in the file's quantity; `None` where the file states none.
+    pub fn standard_errors(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Vec<f64>> {
+        let Table::Scattered(scattered) = &self.table else {
+            return None;
+        };
+        let (omega_in, omega_out) = self.upright(omega_in, omega_out)?;
+        scattered.standard_errors(&omega_in, &omega_out)
+    }
+
+    /// Adds f in 1/sr of the pair turned about the normal by each of the angles in radians, and takes out of the list those at
+    /// which there is a value. What turns do not change is worked out once.
+    pub(super) fn add_bsdf_turned(
+        &self,
+        omega_in: &Vec3,
+        omega_out: &Vec3,
+        turns_rad: &mut Vec<f64>,
+        sums: &mut [f64],
+    ) {
+        let Some((omega_in, omega_out)) = self.upright(omega_in, omega_out) else {
+            return;
+        };
+        let factor = self.quantity.to_bsdf(1.0, omega_out.z.max(0.0));
+        let Some(factor) = factor.filter(|factor| factor.is_finite()) else {
+            return;
+        };
+        match &self.table {
+            Table::Grid(grid) => grid.add_turned(&omega_in, &omega_out, turns_rad, factor, sums),
+            Table::Scattered(scattered) => scattered.add_turned(&omega_in, &omega_out, turns_rad, factor, sums),
+            Table::Warped(warped) => warped.add_turned(&omega_in, &omega_out, turns_rad, factor, sums),
+            Table::Klems(_) | Table::Tree(_) => turns_rad.retain(|turn| {
+                let (sin, cos) = turn.sin_cos();
+                let turned = |d: &Vec3| Vec3::new(cos * d.x - sin * d.y, sin * d.x + cos * d.y, d.z);
+                let Some((values, _)) = self.table.eval(&turned(&omega_in), &turned(&omega_out)) else {
+                    return true;
+                };
+                sums.iter_mut()
+                    .zip(values)
+                    .for_each(|(sum, value)| *sum += factor * value);
+                false
+            }),
+            Table::Specular(_) => {}
+        }
+    }
+
+    /// Both directions as tables know them: light from above that is seen from above. `None` on the wrong sides of the surface.
+    fn upright(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec3, Vec3)> {
         let up = |side: Side| if side == Side::Front { 1.0 } else { -1.0 };
         let through = if self.scatter == Scatter::Reflection { 1.0 } else { -1.0 };
         let flipped = |d: &Vec3, sign: f64| Vec3::new(d.x, d.y, d.z * sign);
@@ -213,22 +282,22 @@ impl Component {
         let omega_out = flipped(omega_out, up(self.side) * through);
         /// Cosines of directions on the horizon, with rounding.
         const HORIZON: f64 = -1e-9;
-        if !(omega_in.z >= HORIZON && omega_out.z >= HORIZON) {
-            return None;
-        }
-        let (values, placement) = match &self.table {
-            Table::Grid(grid) => grid.eval(&omega_in, &omega_out)?,
-            Table::Scattered(scattered) => scattered.eval(&omega_in, &omega_out)?,
-            Table::Warped(warped) => warped.eval(&omega_in, &omega_out)?,
-            Table::Klems(matrix) => matrix.eval(&omega_in, &omega_out)?,
-            Table::Tree(tree) => tree.eval(&omega_in, &omega_out)?,
-            Table::Specular(_) => return None,
+        (omega_in.z >= HORIZON && omega_out.z >= HORIZON).then_some((omega_in, omega_out))
+    }
+
+    /// The same table with other channels, by a linear map, where what lies between nodes is linear in them: interpolating fewer
+    /// channels takes less time. `None` of other tables.
+    pub(super) fn with_channels(&self, channels: Channels, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<Self> {
+        let count = channels.count();
+        let table = match &self.table {
+            Table::Grid(grid) => Table::Grid(grid.with_channels(count, map)?),
+            Table::Scattered(scattered) => Table::Scattered(scattered.with_channels(count, map)),
+            _ => return None,
         };
-        Some(Evaluation {
-            quantity: self.quantity,
-            values,
-            placement,
-            cos_out: omega_out.z.max(0.0),
+        Some(Self {
+            channels,
+            table,
+            ..self.clone()
         })
     }
 

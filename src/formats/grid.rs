@@ -47,6 +47,37 @@ pub struct Grid {
     has_holes: bool,
 }
 
+/// Nodes around a place, by their offset in the values, and their shares, which are above 0.
+#[derive(Clone, Copy)]
+struct Corners {
+    nodes: [(usize, f64); 16],
+    count: usize,
+}
+
+impl Default for Corners {
+    /// Of no axis yet.
+    fn default() -> Self {
+        let mut nodes = [(0, 0.0); 16];
+        nodes[0] = (0, 1.0);
+        Self { nodes, count: 1 }
+    }
+}
+
+impl Corners {
+    /// With one of the four axes more.
+    fn between(&mut self, between: &Between, stride: usize) {
+        let below = self.count;
+        for index in 0..below {
+            let (at, share) = self.nodes[index];
+            if between.t > 0.0 {
+                self.nodes[self.count] = (at + stride * between.above, share * between.t);
+                self.count += 1;
+            }
+            self.nodes[index] = (at + stride * between.below, share * (1.0 - between.t));
+        }
+    }
+}
+
 impl Grid {
     /// Axes and channels from the slowest in `values` to the fastest, the channel being 4. Lengths must fit, and were
     /// checked by the reader.
@@ -116,6 +147,29 @@ impl Grid {
         }
     }
 
+    /// The same nodes with other channels, as many as the map gives; `None` where some nodes have no data.
+    pub(super) fn with_channels(&self, channels: usize, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<Self> {
+        if self.has_holes {
+            return None;
+        }
+        let [n0, n1, n2, n3] = self.shape();
+        let mut values = Vec::with_capacity(n0 * n1 * n2 * n3 * channels);
+        for i in 0..n0 * n1 * n2 * n3 {
+            let node = [i / (n3 * n2 * n1), i / (n3 * n2) % n1, i / n3 % n2, i % n3];
+            let all: Vec<f64> = (0..self.channels).map(|channel| self.at(node, channel)).collect();
+            values.extend(map(&all));
+        }
+        let (parameters, axes) = (self.parameters.clone(), self.axes.clone());
+        Some(Self::new(
+            parameters,
+            axes,
+            self.fold,
+            channels,
+            [0, 1, 2, 3, 4],
+            values,
+        ))
+    }
+
     /// Some nodes have no data.
     pub fn has_holes(&self) -> bool {
         self.has_holes
@@ -134,7 +188,8 @@ impl Grid {
     }
 
     pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
-        let angles = self.angles(omega_in, omega_out)?;
+        let mut angles = self.angles(omega_in, omega_out)?;
+        angles[3] = self.fold.apply(angles[3]);
         let mut around = [Between::default(); 4];
         for (axis, slot) in around.iter_mut().enumerate() {
             *slot = self.axes[axis].locate(angles[axis])?;
@@ -147,7 +202,14 @@ impl Grid {
             let skip = |axis: usize| (axis == 1 && pole(0, 1)) || (axis == 3 && pole(2, 3));
             on_node = (0..4).all(|axis| around[axis].on_node || skip(axis));
         }
-        let values = self.blend(&around)?;
+        let mut corners = Corners::default();
+        for (axis, between) in around.iter().enumerate() {
+            corners.between(between, self.strides[axis]);
+        }
+        let mut values = vec![0.0; self.channels];
+        if !self.blend(&corners, 1.0, &mut values) {
+            return None;
+        }
         let placement = if on_node {
             Placement::OnNode
         } else {
@@ -156,36 +218,75 @@ impl Grid {
         Some((values, placement))
     }
 
-    /// Multilinear; over nodes that have data.
-    fn blend(&self, around: &[Between; 4]) -> Option<Vec<f64>> {
-        let mut values = vec![0.0; self.channels];
-        let mut total = 0.0;
-        for corner in 0..16u32 {
-            let mut weight = 1.0;
-            let mut at = 0;
-            for (axis, between) in around.iter().enumerate() {
-                let upper = corner >> axis & 1 == 1;
-                weight *= if upper { between.t } else { 1.0 - between.t };
-                at += self.strides[axis] * if upper { between.above } else { between.below };
-            }
-            if weight == 0.0 || (self.has_holes && self.values[at].is_nan()) {
-                continue;
-            }
-            total += weight;
-            for (channel, value) in values.iter_mut().enumerate() {
-                *value += weight * self.values[at + channel * self.strides[4]];
-            }
+    /// Adds `weight` times the values of the pair turned about the normal by each of the angles, and takes out of the list
+    /// those at which there are values.
+    pub(super) fn add_turned(
+        &self,
+        omega_in: &Vec3,
+        omega_out: &Vec3,
+        turns_rad: &mut Vec<f64>,
+        weight: f64,
+        sums: &mut [f64],
+    ) {
+        let Some(angles) = self.angles(omega_in, omega_out) else {
+            return;
+        };
+        // Azimuths that count from x turn with the pair.
+        let turning = |axis: usize| axis == 1 || (axis == 3 && self.parameters == Parameters::Spherical);
+        let mut fixed = Corners::default();
+        for axis in (0..4).filter(|&axis| !turning(axis)) {
+            let angle = if axis == 3 {
+                self.fold.apply(angles[3])
+            } else {
+                angles[axis]
+            };
+            let Some(between) = self.axes[axis].locate(angle) else {
+                return;
+            };
+            fixed.between(&between, self.strides[axis]);
         }
-        if self.has_holes {
-            values.iter_mut().for_each(|v| *v /= total);
-        }
-        (total > 0.0).then_some(values)
+        turns_rad.retain(|turn| {
+            // An isotropic table's outgoing azimuth counts from the incident one.
+            let turn = if self.is_isotropic() { 0.0 } else { *turn };
+            let mut corners = fixed;
+            for axis in (0..4).filter(|&axis| turning(axis)) {
+                let angle = angles[axis] + turn;
+                let angle = if angle < TAU { angle } else { angle - TAU };
+                let angle = if axis == 3 { self.fold.apply(angle) } else { angle };
+                let Some(between) = self.axes[axis].locate(angle) else {
+                    return true;
+                };
+                corners.between(&between, self.strides[axis]);
+            }
+            !self.blend(&corners, weight, sums)
+        });
     }
 
-    /// The file's four angles of a pair of directions.
+    /// Adds `weight` times the multilinear value; over nodes that have data. False where none has.
+    fn blend(&self, corners: &Corners, weight: f64, sums: &mut [f64]) -> bool {
+        let all = &corners.nodes[..corners.count];
+        let has_data = |at: usize| !self.has_holes || !self.values[at].is_nan();
+        let mut weight = weight;
+        if self.has_holes {
+            let total: f64 = all.iter().filter(|(at, _)| has_data(*at)).map(|(_, share)| share).sum();
+            weight /= total;
+            if total == 0.0 {
+                return false;
+            }
+        }
+        for &(at, share) in all.iter().filter(|(at, _)| has_data(*at)) {
+            let values = self.values[at..].iter().step_by(self.strides[4]);
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += weight * share * value;
+            }
+        }
+        true
+    }
+
+    /// The file's four angles of a pair of directions, the last not folded.
     fn angles(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<[f64; 4]> {
         let (theta_i, phi_i) = angles_of(omega_in);
-        let mut angles = match &self.parameters {
+        let angles = match &self.parameters {
             Parameters::Spherical => {
                 let (theta_o, phi_o) = angles_of(omega_out);
                 let turned = if self.is_isotropic() { phi_o - phi_i } else { phi_o };
@@ -203,7 +304,6 @@ impl Grid {
             }
             Parameters::HalfDifference => half_difference_angles(omega_in, omega_out),
         };
-        angles[3] = self.fold.apply(angles[3]);
         Some(angles)
     }
 

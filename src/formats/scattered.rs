@@ -17,6 +17,8 @@ pub struct Scattered {
     channels: usize,
     /// One row a reading, channel fastest.
     values: Vec<f64>,
+    /// Standard errors in the order of the values, where they were stated.
+    errors: Option<Vec<f64>>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +77,13 @@ impl Scattered {
             tree: Branch::new(angles, &order, 0, sphere),
             channels,
             values,
+            errors: None,
         })
+    }
+
+    /// With standard errors, as many as there are values and in their order.
+    pub(super) fn with_errors(self, errors: Option<Vec<f64>>) -> Self {
+        Self { errors, ..self }
     }
 
     pub fn directions(&self) -> Directions {
@@ -92,14 +100,47 @@ impl Scattered {
 
     /// Every reading, ascending by its angles in radians.
     pub fn readings(&self) -> Vec<(Vec<f64>, &[f64])> {
-        let mut readings = Vec::new();
+        self.rows(&self.values)
+    }
+
+    /// Standard errors of the readings, in their order; empty where none were stated.
+    pub fn reading_errors(&self) -> Vec<(Vec<f64>, &[f64])> {
+        self.errors.as_ref().map_or_else(Vec::new, |errors| self.rows(errors))
+    }
+
+    fn rows<'a>(&self, of: &'a [f64]) -> Vec<(Vec<f64>, &'a [f64])> {
+        let mut rows = Vec::new();
         self.tree.collect(&mut Vec::new(), &mut |angles, reading| {
-            readings.push((
+            rows.push((
                 angles.to_vec(),
-                &self.values[reading * self.channels..(reading + 1) * self.channels],
+                &of[reading * self.channels..(reading + 1) * self.channels],
             ));
         });
-        readings
+        rows
+    }
+
+    /// Standard errors of a value, in its quantity, those of the readings around it being independent. `None` where none were
+    /// stated and outside what was read.
+    pub(super) fn standard_errors(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Vec<f64>> {
+        let errors = self.errors.as_ref()?;
+        let around = self.around_pair(omega_in, omega_out)?;
+        let mut squares = vec![0.0; self.channels];
+        for (reading, share) in &around.readings[..around.count] {
+            let row = &errors[reading * self.channels..(reading + 1) * self.channels];
+            let pairs = squares.iter_mut().zip(row);
+            pairs.for_each(|(sum, error)| *sum += (share * error).powi(2));
+        }
+        Some(squares.into_iter().map(f64::sqrt).collect())
+    }
+
+    /// The same readings with other channels, as many as the map gives.
+    pub(super) fn with_channels(&self, channels: usize, map: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        Self {
+            channels,
+            values: self.values.chunks_exact(self.channels).flat_map(map).collect(),
+            errors: None,
+            ..self.clone()
+        }
     }
 
     pub(super) fn incidences_rad(&self) -> Vec<f64> {
@@ -107,6 +148,18 @@ impl Scattered {
     }
 
     pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+        let around = self.around_pair(omega_in, omega_out)?;
+        let mut values = vec![0.0; self.channels];
+        self.add(&around, 1.0, &mut values);
+        let placement = if around.on_node {
+            Placement::OnNode
+        } else {
+            Placement::Interpolated
+        };
+        Some((values, placement))
+    }
+
+    fn around_pair(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Around> {
         let ((theta_i, phi_i), (theta_o, phi_o)) = (angles_of(omega_in), angles_of(omega_out));
         match self.directions {
             Directions::Plane => {
@@ -121,32 +174,67 @@ impl Scattered {
                 }
                 let towards_light = x * omega_out.x + y * omega_out.y;
                 let sign = if towards_light > 0.0 { -1.0 } else { 1.0 };
-                self.blend(&[theta_i, sign * theta_o])
+                self.around(&[theta_i, sign * theta_o])
             }
             Directions::Sphere if self.isotropic => {
                 // Azimuths are kept as they were read, with the light's.
                 let first = self.tree.below[0].first();
-                let at = |phi: f64| self.blend(&[theta_i, phi_i, theta_o, (first + phi).rem_euclid(TAU)]);
+                let at = |phi: f64| self.around(&[theta_i, phi_i, theta_o, (first + phi).rem_euclid(TAU)]);
                 let mirrored = || self.mirrored.then(|| at(phi_i - phi_o)).flatten();
                 at(phi_o - phi_i).or_else(mirrored)
             }
-            Directions::Sphere => self.blend(&[theta_i, phi_i, theta_o, phi_o]),
+            Directions::Sphere => self.around(&[theta_i, phi_i, theta_o, phi_o]),
         }
     }
 
-    fn blend(&self, angles: &[f64]) -> Option<(Vec<f64>, Placement)> {
-        let mut sum = Blend {
-            values: vec![0.0; self.channels],
+    /// As [`super::Grid::add_turned`].
+    pub(super) fn add_turned(
+        &self,
+        omega_in: &Vec3,
+        omega_out: &Vec3,
+        turns_rad: &mut Vec<f64>,
+        weight: f64,
+        sums: &mut [f64],
+    ) {
+        let ((theta_i, phi_i), (theta_o, phi_o)) = (angles_of(omega_in), angles_of(omega_out));
+        turns_rad.retain(|turn| {
+            let turned = |phi: f64| if phi + turn < TAU { phi + turn } else { phi + turn - TAU };
+            let around = match self.isotropic {
+                // A turn changes nothing.
+                true => self.around_pair(omega_in, omega_out),
+                false => self.around(&[theta_i, turned(phi_i), theta_o, turned(phi_o)]),
+            };
+            let Some(around) = around else { return true };
+            self.add(&around, weight, sums);
+            false
+        });
+    }
+
+    /// The readings around a place; `None` outside what was read.
+    fn around(&self, angles: &[f64]) -> Option<Around> {
+        let mut around = Around {
+            readings: [(0, 0.0); 16],
+            count: 0,
             on_node: true,
         };
-        self.tree.eval(angles, self, 1.0, &mut sum)?;
-        let placement = if sum.on_node {
-            Placement::OnNode
-        } else {
-            Placement::Interpolated
-        };
-        Some((sum.values, placement))
+        self.tree.find(angles, 1.0, &mut around)?;
+        Some(around)
     }
+
+    fn add(&self, around: &Around, weight: f64, sums: &mut [f64]) {
+        for (reading, share) in &around.readings[..around.count] {
+            let row = &self.values[reading * self.channels..(reading + 1) * self.channels];
+            let weight = weight * share;
+            sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
+        }
+    }
+}
+
+/// Readings around a place with their shares: two at each of four angles at most.
+struct Around {
+    readings: [(usize, f64); 16],
+    count: usize,
+    on_node: bool,
 }
 
 impl Node {
@@ -156,11 +244,6 @@ impl Node {
             Self::Reading(_) => 0.0,
         }
     }
-}
-
-struct Blend {
-    values: Vec<f64>,
-    on_node: bool,
 }
 
 impl Branch {
@@ -186,21 +269,18 @@ impl Branch {
         Self { axis, below }
     }
 
-    fn eval(&self, angles: &[f64], of: &Scattered, weight: f64, sum: &mut Blend) -> Option<()> {
+    fn find(&self, angles: &[f64], share: f64, around: &mut Around) -> Option<()> {
         let between = self.axis.locate(angles[0])?;
-        sum.on_node &= between.on_node;
-        for (node, share) in [(between.below, 1.0 - between.t), (between.above, between.t)] {
-            if share == 0.0 {
+        around.on_node &= between.on_node;
+        for (node, part) in [(between.below, 1.0 - between.t), (between.above, between.t)] {
+            if part == 0.0 {
                 continue;
             }
             match &self.below[node] {
-                Node::Branch(branch) => branch.eval(&angles[1..], of, weight * share, sum)?,
+                Node::Branch(branch) => branch.find(&angles[1..], share * part, around)?,
                 Node::Reading(reading) => {
-                    let row = &of.values[reading * of.channels..(reading + 1) * of.channels];
-                    sum.values
-                        .iter_mut()
-                        .zip(row)
-                        .for_each(|(s, v)| *s += weight * share * v);
+                    around.readings[around.count] = (*reading, share * part);
+                    around.count += 1;
                 }
             }
         }

@@ -191,12 +191,37 @@ impl Warped {
     }
 
     pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+        let [incident, half] = half_angles(omega_in, omega_out)?;
+        self.at(incident, half)
+    }
+
+    /// As [`super::Grid::add_turned`].
+    pub(super) fn add_turned(
+        &self,
+        omega_in: &Vec3,
+        omega_out: &Vec3,
+        turns_rad: &mut Vec<f64>,
+        weight: f64,
+        sums: &mut [f64],
+    ) {
+        let Some([incident, half]) = half_angles(omega_in, omega_out) else {
+            return;
+        };
+        turns_rad.retain(|turn| {
+            let turned = |(theta, phi): (f64, f64)| (theta, (phi + turn).rem_euclid(TAU));
+            let Some((values, _)) = self.at(turned(incident), turned(half)) else {
+                return true;
+            };
+            sums.iter_mut()
+                .zip(values)
+                .for_each(|(sum, value)| *sum += weight * value);
+            false
+        });
+    }
+
+    /// Values at polar angles and azimuths of the direction to the light and of the half vector.
+    fn at(&self, (theta_i, phi_i): (f64, f64), (theta_m, phi_m): (f64, f64)) -> Option<(Vec<f64>, Placement)> {
         let a = &self.arrays;
-        let half = omega_in + omega_out;
-        if half.norm_squared() < 1e-24 {
-            return None;
-        }
-        let ((theta_i, phi_i), (theta_m, phi_m)) = (angles_of(omega_in), angles_of(&half));
         let (slices, on_slice) = self.slices(theta_i, phi_i)?;
         let x = unit_theta(theta_m);
         let y = if a.isotropic {
@@ -256,6 +281,12 @@ impl Warped {
         let part = (1.0 - ty) * up_to_x(row) + ty * up_to_x(row + 1);
         [marginal, if whole_row > 0.0 { part / whole_row } else { 0.0 }]
     }
+}
+
+/// Polar angles and azimuths of the direction to the light and of the half vector; `None` where there is none.
+fn half_angles(omega_in: &Vec3, omega_out: &Vec3) -> Option<[(f64, f64); 2]> {
+    let half = omega_in + omega_out;
+    (half.norm_squared() >= 1e-24).then(|| [angles_of(omega_in), angles_of(&half)])
 }
 
 /// Directions to light and viewer of a node of an unwarped square of n × n nodes, row y and column x; the viewer's may be

@@ -1,6 +1,6 @@
 use crate::artefact::ArtefactError;
 use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Weave};
-use crate::colour::{ColourError, ColourSystem};
+use crate::colour::{ColourError, ColourSystem, Convention};
 use crate::compare::{CompareError, Geometry};
 use crate::fault::{self, Fault};
 use crate::formats::FormatError;
@@ -10,7 +10,7 @@ use crate::rig::{PixelSamples, Rig, RigError};
 use crate::run::ShardError;
 use crate::sample::{Sample, SampleError};
 use crate::shading::{Distribution, ShadingError, Specular};
-use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_csv_spectra, read_csv_spectrum, tables};
+use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_spectrum, tables};
 use crate::study::{
     CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable, Study,
     StudyError, TraceSection, WeaveChoice,
@@ -27,7 +27,7 @@ pub enum RunError {
     Study(#[from] StudyError),
     #[error("`medium.dye`: {source}; nor is there a file of that name")]
     Dye { source: SpectrumError },
-    /// A table that stands for a number of `[medium]`: not there, no CSV of a spectrum, or not over the study's wavelengths.
+    /// A table that stands for the dye or a number of `[medium]`: not there, no table of a spectrum, or not over the study's wavelengths.
     #[error("`medium.{key}`: {source}")]
     Table { key: &'static str, source: SpectrumError },
     #[error(transparent)]
@@ -106,6 +106,9 @@ impl Plan {
             name: format!("sample {}", study.measured.sample),
             sha256: sample.digest().to_owned(),
         });
+        let convention = study.colour.convention()?;
+        sample.check_convention(&convention)?;
+        inputs.extend(colour_files(&convention));
         let weave = weave(&study, &mut inputs)?;
         let trace = &study.trace;
         let effort = |paths| Effort::new(study.seed, trace.batches as usize, paths);
@@ -130,7 +133,7 @@ impl Plan {
             )?,
             rig: Rig::new(study.rig.incidences_deg.clone(), study.rig.views_deg())?,
             pixels: PixelSamples::new(pixels, pixels)?,
-            colour: ColourSystem::new(&grid, study.colour)?,
+            colour: ColourSystem::new(&grid, convention)?,
             sample,
             inputs,
             grid,
@@ -306,11 +309,10 @@ fn number_or_table(key: &'static str, of: &NumberOrTable, grid: &WavelengthGrid)
         NumberOrTable::Table(path) => path,
     };
     let at_key = |source| RunError::Table { key, source };
-    let columns = read_csv_spectra(Path::new(path)).map_err(at_key)?;
-    let table = Spectrum::Table {
-        name: path.clone(),
-        samples: Study::medium_table(key, path, &columns)?,
-    };
+    let table = read_spectrum(Path::new(path), ..).map_err(at_key)?;
+    if let Spectrum::Table { samples, .. } = &table {
+        Study::check_medium_table(key, path, samples)?;
+    }
     table.on(grid).map_err(at_key)?;
     Ok(table)
 }
@@ -337,9 +339,23 @@ fn dye(name: &str) -> Result<Spectrum, RunError> {
     };
     let path = Path::new(name);
     if path.exists() {
-        return Ok(read_csv_spectrum(path)?);
+        return read_spectrum(path, 0.0..=1.0).map_err(|source| RunError::Table { key: "dye", source });
     }
     Err(RunError::Dye { source: unknown })
+}
+
+/// Digests of the files that stand for the observer and the illuminant.
+fn colour_files(convention: &Convention) -> Vec<InputDigest> {
+    let digest = |key, path: &str, bytes: &[u8]| InputDigest::of(format!("{key} {path}"), bytes);
+    let observer = convention
+        .observer
+        .file()
+        .map(|f| digest("observer", &f.path, &f.bytes));
+    let illuminant = convention
+        .illuminant
+        .file()
+        .map(|f| digest("illuminant", &f.path, &f.bytes));
+    observer.into_iter().chain(illuminant).collect()
 }
 
 /// The weave by its name, or the repeat of the draft, whose drawdown goes into the inputs' digests.

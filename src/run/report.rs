@@ -88,9 +88,10 @@ pub fn report(
     let table1 = table1(&plan.colour, curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
     let mut conventions = Vec::new();
     for convention in Convention::all() {
+        let name = convention.to_string();
         let colour = ColourSystem::new(&plan.grid, convention)?;
         conventions.push(shown::Convention {
-            convention: convention.to_string(),
+            convention: name,
             rows: vec![Table1Row::estimated(
                 Table1Name::Model,
                 &diffuse_ratios(&colour, curves, normal)?,
@@ -113,7 +114,7 @@ pub fn report(
     let comparison = comparison.as_ref();
     Ok(ReportData {
         wavelengths_nm: plan.grid.nm().to_vec(),
-        colour_convention: plan.study.colour.to_string(),
+        colour_convention: plan.colour.convention().to_string(),
         curves: match comparison {
             Some(comparison) => comparison.curves.clone(),
             None => model_curves(curves, &model, &measured)?,
@@ -167,7 +168,10 @@ fn model_curves(
 fn readings(plan: &Plan, geometries: &[Geometry], notices: &mut Vec<String>) -> Result<Vec<Option<Reading>>, RunError> {
     let mut readings = Vec::with_capacity(geometries.len());
     for g in geometries {
-        readings.push(plan.sample.reading(g.theta_i_deg, g.theta_v_deg, &plan.study.colour)?);
+        readings.push(
+            plan.sample
+                .reading(g.theta_i_deg, g.theta_v_deg, plan.colour.convention())?,
+        );
     }
     let interpolated = readings.iter().flatten().filter(|r| r.interpolated).count();
     if interpolated > 0 {

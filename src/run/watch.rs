@@ -40,7 +40,7 @@ impl<'a> Watch<'a> {
         }
         let reading = plan
             .sample
-            .reading(NORMAL.theta_i_deg, NORMAL.theta_v_deg, &plan.study.colour)?;
+            .reading(NORMAL.theta_i_deg, NORMAL.theta_v_deg, plan.colour.convention())?;
         Ok(Self {
             plan,
             precision,

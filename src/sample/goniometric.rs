@@ -1,6 +1,6 @@
 use super::SampleError;
 use super::data::{Axis, Row};
-use crate::formats::{Channels, Component, Goniometric, Placement, Quantity, Scatter, Side, direction};
+use crate::formats::{Channels, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
 use crate::spectrum::WavelengthGrid;
 
 /// Common to the observers' and the illuminants' tables.
@@ -61,6 +61,11 @@ impl GoniometricData {
         Ok(this)
     }
 
+    /// Whether the file states standard errors.
+    pub(super) fn has_se(&self) -> bool {
+        matches!(&self.component.table, Table::Scattered(table) if !table.reading_errors().is_empty())
+    }
+
     pub(super) fn axis(&self) -> &Axis {
         &self.axis
     }
@@ -75,11 +80,17 @@ impl GoniometricData {
         let omega_out = direction(theta_v_deg.to_radians(), 0.0);
         let evaluation = self.component.eval(&omega_in, &omega_out)?;
         let beta = evaluation.brightness_factor()?[self.channels.clone()].to_vec();
+        // Only this program's CSV states errors, and they are of β.
+        let stated = self.component.standard_errors(&omega_in, &omega_out);
+        let se = match stated {
+            Some(errors) => errors[self.channels.clone()].to_vec(),
+            None => beta.iter().map(|b| b * self.relative_se).collect(),
+        };
         let row = Row {
             theta_i_deg,
             theta_v_deg,
-            se: beta.iter().map(|b| b * self.relative_se).collect(),
             beta,
+            se,
         };
         Some((row, evaluation.placement != Placement::OnNode))
     }

@@ -109,6 +109,7 @@ impl Sample {
     pub fn uncertainty(&self) -> Uncertainty {
         match (&self.data, self.description.relative_standard_uncertainty) {
             (Data::Curves(curves), _) if curves.has_se() => Uncertainty::Columns,
+            (Data::Goniometric(data), _) if data.has_se() => Uncertainty::Columns,
             (Data::Curves(_), Some(relative)) => Uncertainty::Relative(relative),
             _ => Uncertainty::NotStated,
         }

@@ -61,7 +61,7 @@ impl Sample {
             }
             Axis::Xyz => {
                 // Without adaptation the matrix is the same for every grid.
-                let system = ColourSystem::new(&WavelengthGrid::preprint(), *convention)?;
+                let system = ColourSystem::new(&WavelengthGrid::preprint(), convention.clone())?;
                 let channels = |x: f64, y: f64, z: f64| {
                     let [r, g, b] = system.linear_rgb(Xyz { x, y, z }).0;
                     [r, g, b, y]
@@ -74,7 +74,7 @@ impl Sample {
                 (channels(row.beta[0], row.beta[1], row.beta[2]), weights)
             }
             Axis::Wavelengths(grid) => {
-                let system = ColourSystem::new(grid, *convention)?;
+                let system = ColourSystem::new(grid, convention.clone())?;
                 let xyz = system.xyz(&row.beta);
                 let [r, g, b] = system.linear_rgb(xyz).0;
                 ([r, g, b, xyz.y], system.channel_weights())
@@ -93,6 +93,19 @@ impl Sample {
             covariance,
             interpolated,
         }))
+    }
+
+    /// Whether the convention's tables cover the sample's wavelengths, without which there is no [`Sample::reading`].
+    pub fn check_convention(&self, convention: &Convention) -> Result<(), SampleError> {
+        let axis = match &self.data {
+            Data::Curves(curves) => curves.axis(),
+            Data::Goniometric(data) => data.axis(),
+            Data::Ratios(_) => return Ok(()),
+        };
+        if let Axis::Wavelengths(grid) = axis {
+            ColourSystem::new(grid, convention.clone())?;
+        }
+        Ok(())
     }
 
     /// β(λ) at a geometry, on the wavelengths of the sample, interpolated as [`Sample::reading`] does; `None` for RGB data.

@@ -1,6 +1,6 @@
 use std::collections::HashSet;
 
-/// Where a CSV text departs from what was expected, and what to do about it.
+/// Where a table (CSV or CGATS text) departs from what was expected, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{name}, line {line}{}: expected {expected}, found {found}{}", .column.as_ref().map(|c| format!(", column {c}")).unwrap_or_default(), .remedy.as_ref().map(|r| format!("; {r}")).unwrap_or_default())]
 pub struct CsvError {
@@ -15,24 +15,26 @@ pub struct CsvError {
     pub remedy: Option<String>,
 }
 
-/// CSV text with one header line, `#` comment lines and no quoting, so that every record is one line and every message
-/// can name it. The one reader of all tables: spectra, dyes, measured samples.
+/// Named columns and rows of text, each row one line of its file, so that every message can name it. The one reader of all
+/// tables: spectra, dyes, measured samples.
 #[derive(Debug)]
 pub(crate) struct CsvTable {
-    name: String,
-    header_line: usize,
-    columns: Vec<String>,
-    rows: Vec<Row>,
+    pub(super) name: String,
+    /// Where the columns are named.
+    pub(super) header_line: usize,
+    pub(super) columns: Vec<String>,
+    pub(super) rows: Vec<Row>,
 }
 
 #[derive(Debug)]
-struct Row {
-    line: usize,
-    cells: Vec<String>,
+pub(super) struct Row {
+    pub(super) line: usize,
+    pub(super) cells: Vec<String>,
 }
 
 impl CsvTable {
-    /// At least one row is required; every row has as many cells as the header.
+    /// CSV with one header line, `#` comment lines and no quoting. At least one row is required; every row has as many
+    /// cells as the header.
     pub(crate) fn parse(name: &str, bytes: &[u8]) -> Result<Self, Box<CsvError>> {
         let text = text_of(name, bytes)?;
         // The csv reader counts a record's line from the comments before it; without quoting, the k-th record is the
@@ -81,14 +83,19 @@ impl CsvTable {
                 None,
             ));
         }
+        table.complete()
+    }
+
+    /// Refuses a column named twice and a table without rows.
+    pub(super) fn complete(self) -> Result<Self, Box<CsvError>> {
         let mut seen = HashSet::new();
-        if let Some(twice) = table.columns.iter().find(|c| !seen.insert(c.as_str())) {
-            return Err(table.header_error("every column once", &format!("'{twice}' twice"), None));
+        if let Some(twice) = self.columns.iter().find(|c| !seen.insert(c.as_str())) {
+            return Err(self.header_error("every column once", &format!("'{}' twice", shortened(twice)), None));
         }
-        if table.rows.is_empty() {
-            return Err(table.header_error("at least one row of values after the header", "none", None));
+        if self.rows.is_empty() {
+            return Err(self.header_error("at least one row of values after the header", "none", None));
         }
-        Ok(table)
+        Ok(self)
     }
 
     pub(crate) fn columns(&self) -> &[String] {
@@ -136,7 +143,7 @@ impl CsvTable {
         self.error(self.header_line, None, expected, found, remedy)
     }
 
-    fn error(
+    pub(super) fn error(
         &self,
         line: usize,
         column: Option<&str>,
@@ -156,7 +163,7 @@ impl CsvTable {
 }
 
 /// UTF-8 text without byte order mark, lines ended by `\n` alone.
-fn text_of(name: &str, bytes: &[u8]) -> Result<String, Box<CsvError>> {
+pub(super) fn text_of(name: &str, bytes: &[u8]) -> Result<String, Box<CsvError>> {
     let valid = std::str::from_utf8(bytes)
         .map_err(|e| e.valid_up_to())
         .and_then(|text| text.find('\0').map_or(Ok(text), Err));
@@ -177,7 +184,7 @@ fn text_of(name: &str, bytes: &[u8]) -> Result<String, Box<CsvError>> {
 }
 
 /// What a message quotes of a cell: no control characters, no page of text.
-fn shortened(cell: &str) -> String {
+pub(super) fn shortened(cell: &str) -> String {
     const LONGEST: usize = 40;
     let mut quoted: String = cell.escape_debug().take(LONGEST).collect();
     if cell.escape_debug().count() > LONGEST {

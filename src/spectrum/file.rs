@@ -1,129 +1,329 @@
-use std::ops::RangeInclusive;
+use std::fs::File;
+use std::io::Read;
+use std::ops::{Bound, RangeBounds};
 use std::path::Path;
 
+use super::cgats::{Cgats, is_cgats};
+use super::csv_table::text_of;
+use super::tables::ObserverTables;
 use super::{CsvTable, Samples, Spectrum, SpectrumError, WavelengthGrid};
 
-/// Reads a user's dye or reflectance: CSV with the columns `wavelength_nm,value`, `#` comments allowed.
+/// Largest file of spectra.
+const MOST_BYTES: u64 = 8 << 20;
+
+/// Reads one spectrum, such as a dye or an illuminant, whose values are all `allowed`: CSV with the columns
+/// `wavelength_nm,value`, or CGATS-like text with one spectrum as in [`read_spectra`].
 ///
-/// Wavelengths ascend strictly, in nm; values are dimensionless, 0..1 (1 at a dye's peak).
-pub fn read_csv_spectrum(path: &Path) -> Result<Spectrum, SpectrumError> {
-    let table = CsvTable::parse(&path.display().to_string(), &bytes_of(path)?)?;
-    let expected = ["wavelength_nm", "value"];
-    if table.columns() != expected {
-        return Err(table
-            .header_error(
-                "the columns wavelength_nm,value",
-                &table.columns().join(","),
-                Some("name the columns in the first line that is not a comment"),
-            )
-            .into());
+/// # Errors
+/// The first place where the file departs from that.
+pub fn read_spectrum(path: &Path, allowed: impl RangeBounds<f64>) -> Result<Spectrum, SpectrumError> {
+    parse_spectrum(&path.display().to_string(), &bytes_of(path)?, allowed)
+}
+
+/// [`read_spectrum`] of the bytes of a file; `name` is what errors call them.
+///
+/// # Errors
+/// As [`read_spectrum`].
+pub fn parse_spectrum(name: &str, bytes: &[u8], allowed: impl RangeBounds<f64>) -> Result<Spectrum, SpectrumError> {
+    let source = Source::parse(name, bytes)?;
+    let refuse = |expected: &str, found: String| {
+        let remedy = "keep one column of values, value, beside wavelength_nm, or one set";
+        Err(source.table().header_error(expected, &found, Some(remedy)).into())
+    };
+    if let Source::Csv(csv) = &source
+        && csv.columns() != ["wavelength_nm", "value"]
+    {
+        return refuse("the columns wavelength_nm,value", csv.columns().join(","));
     }
-    let mut columns = spectra_by_column(&table, 0, Some(0.0..=1.0))?;
-    let (_, samples) = columns.remove(0);
+    let mut spectra = source.spectra(&Values::of(&allowed))?;
+    if spectra.len() != 1 {
+        return refuse("one spectrum", spectra.len().to_string());
+    }
+    let (_, samples) = spectra.swap_remove(0);
     Ok(Spectrum::Table {
-        name: path.display().to_string(),
+        name: name.into(),
         samples,
     })
 }
 
-/// Reads any number of named spectra, values of any sign and size, from a CSV file in one of two layouts:
-/// columns `wavelength_nm,<name>,<name>,…` with a row a wavelength, or a column `name` and columns titled with a
-/// wavelength in nm (`390` or `R390`) with a row a spectrum; in the second, other columns are notes and skipped.
-pub fn read_csv_spectra(path: &Path) -> Result<Vec<(String, Samples)>, SpectrumError> {
-    let table = CsvTable::parse(&path.display().to_string(), &bytes_of(path)?)?;
-    match (table.column("wavelength_nm"), table.column("name")) {
-        (Some(wavelengths), _) => spectra_by_column(&table, wavelengths, None),
-        (None, Some(names)) => spectra_by_row(&table, names),
-        (None, None) => Err(table
-            .header_error(
-                "a column wavelength_nm, or a column name and columns titled with wavelengths in nm",
-                &table.columns().join(","),
-                None,
-            )
-            .into()),
+/// Colour-matching functions from the bytes of a file: three spectra xbar, ybar, zbar, 0 or more, in a layout of
+/// [`read_spectra`].
+///
+/// # Errors
+/// The first place where the file departs from that.
+pub fn parse_observer(name: &str, bytes: &[u8]) -> Result<ObserverTables, SpectrumError> {
+    let source = Source::parse(name, bytes)?;
+    let mut spectra = source.spectra(&Values::of(&(0.0..)))?;
+    spectra.sort_by_key(|(title, _)| title.to_ascii_lowercase());
+    let titles: Vec<&str> = spectra.iter().map(|(title, _)| title.as_str()).collect();
+    let named = titles.iter().map(|title| title.to_ascii_lowercase());
+    if !named.eq(["xbar", "ybar", "zbar"]) {
+        let expected = "three spectra, xbar, ybar and zbar";
+        return Err(source.table().header_error(expected, &titles.join(", "), None).into());
+    }
+    let mut functions = spectra.into_iter().map(|(title, samples)| Spectrum::Table {
+        name: format!("{name} {title}"),
+        samples,
+    });
+    match (functions.next(), functions.next(), functions.next()) {
+        (Some(x_bar), Some(y_bar), Some(z_bar)) => Ok(ObserverTables { x_bar, y_bar, z_bar }),
+        _ => Err(SpectrumError::Empty),
     }
 }
 
-/// Every column but the one with the wavelengths, on their common grid.
-pub(super) fn spectra_by_column(
-    table: &CsvTable,
-    wavelengths: usize,
-    allowed: Option<RangeInclusive<f64>>,
-) -> Result<Vec<(String, Samples)>, SpectrumError> {
+/// Reads any number of named spectra on common wavelengths, values of any sign and size.
+///
+/// CSV: columns `wavelength_nm,<name>,<name>,…` with a row a wavelength, or a column `name` and columns titled with a
+/// wavelength in nm (`390`, `R390`) with a row a spectrum; in the second, other columns are notes and skipped.
+/// CGATS-like text: fields such as `SPEC_390`, `SPECTRAL_NM390` or `nm390` with a set a spectrum, or a field `WAVELENGTH` or
+/// `SPECTRAL_NM` with a set a wavelength; values are over `SPECTRAL_NORM` where that is stated.
+///
+/// # Errors
+/// The first place where the file departs from its layout; a file over 8 MiB.
+pub fn read_spectra(path: &Path) -> Result<Vec<(String, Samples)>, SpectrumError> {
+    parse_spectra(&path.display().to_string(), &bytes_of(path)?)
+}
+
+/// [`read_spectra`] of the bytes of a file; `name` is what errors call them.
+///
+/// # Errors
+/// As [`read_spectra`].
+pub fn parse_spectra(name: &str, bytes: &[u8]) -> Result<Vec<(String, Samples)>, SpectrumError> {
+    Source::parse(name, bytes)?.spectra(&Values::of(&..))
+}
+
+/// What values a file may hold, and what they are over.
+#[derive(Clone)]
+pub(super) struct Values {
+    low: Bound<f64>,
+    high: Bound<f64>,
+    expected: String,
+    norm: f64,
+}
+
+impl Values {
+    pub(super) fn of(allowed: &impl RangeBounds<f64>) -> Self {
+        let (low, high) = (allowed.start_bound().cloned(), allowed.end_bound().cloned());
+        let expected = match (low, high) {
+            (Bound::Included(low), Bound::Included(high)) => format!("a value in {low}..{high}, dimensionless"),
+            (Bound::Included(low), _) => format!("a value of {low} or more"),
+            _ => "a finite value".into(),
+        };
+        Self {
+            low,
+            high,
+            expected,
+            norm: 1.0,
+        }
+    }
+
+    fn over(&self, norm: f64) -> Self {
+        let expected = match norm {
+            1.0 => self.expected.clone(),
+            norm => format!("{} times {norm}", self.expected),
+        };
+        Self {
+            expected,
+            norm,
+            ..*self
+        }
+    }
+
+    fn read(&self, table: &CsvTable, row: usize, column: usize) -> Result<f64, SpectrumError> {
+        let value = table.number(row, column, &self.expected)? / self.norm;
+        if (self.low, self.high).contains(&value) {
+            return Ok(value);
+        }
+        Err(table.cell_error(row, column, &self.expected, None).into())
+    }
+}
+
+type Named = Vec<(String, Samples)>;
+
+enum Source {
+    Csv(CsvTable),
+    Cgats(Cgats),
+}
+
+impl Source {
+    fn parse(name: &str, bytes: &[u8]) -> Result<Self, SpectrumError> {
+        let text = text_of(name, bytes)?;
+        Ok(match is_cgats(&text) {
+            true => Self::Cgats(Cgats::parse(name, &text)?),
+            false => Self::Csv(CsvTable::parse(name, bytes)?),
+        })
+    }
+
+    fn table(&self) -> &CsvTable {
+        match self {
+            Self::Csv(table) => table,
+            Self::Cgats(cgats) => &cgats.table,
+        }
+    }
+
+    /// One at least.
+    fn spectra(&self, values: &Values) -> Result<Named, SpectrumError> {
+        let table = match self {
+            Self::Csv(table) => table,
+            Self::Cgats(cgats) => return of_cgats(cgats, values),
+        };
+        match (table.column("wavelength_nm"), table.column("name")) {
+            (Some(wavelengths), _) => by_wavelength(table, wavelengths, values),
+            (None, Some(names)) => by_set(table, Some(names), &bands(table)?, values),
+            (None, None) => {
+                let expected = "a column wavelength_nm, or a column name and columns titled with wavelengths in nm";
+                Err(table.header_error(expected, &table.columns().join(","), None).into())
+            }
+        }
+    }
+}
+
+fn of_cgats(cgats: &Cgats, values: &Values) -> Result<Named, SpectrumError> {
+    let table = &cgats.table;
+    // The first of the names that is there.
+    let field = |names: &[&str]| {
+        let at = |name: &&str| {
+            table
+                .columns()
+                .iter()
+                .position(|title| title.eq_ignore_ascii_case(name))
+        };
+        names.iter().find_map(at)
+    };
+    let values = values.over(cgats.number("SPECTRAL_NORM")?.map_or(1.0, |(norm, _)| norm));
+    if let Some(wavelengths) = field(&["WAVELENGTH", "WAVELENGTH_NM", "SPECTRAL_NM"]) {
+        return by_wavelength(table, wavelengths, &values);
+    }
+    let mut bands = bands(table)?;
+    // Where bands are no whole nanometres apart, titles are rounded and the key words hold the wavelengths.
+    if let (Some((count, line)), Some((start, _)), Some((end, _))) = (
+        cgats.number("SPECTRAL_BANDS")?,
+        cgats.number("SPECTRAL_START_NM")?,
+        cgats.number("SPECTRAL_END_NM")?,
+    ) {
+        let steps = (bands.len() - 1).max(1) as f64;
+        let stated = |k: usize| start + k as f64 * (end - start) / steps;
+        let rounded = |(k, (_, nm)): (usize, &(usize, f64))| (stated(k) - nm).abs() <= 0.5 + 1e-9;
+        if count != bands.len() as f64 || !bands.iter().enumerate().all(rounded) {
+            let expected = format!("{count} bands from {start} to {end} nm, as key words state");
+            let (first, last) = (bands[0].1, bands[bands.len() - 1].1);
+            let found = format!("{} fields from {first} to {last} nm", bands.len());
+            return Err(table
+                .error(line, Some("SPECTRAL_BANDS"), &expected, &found, None)
+                .into());
+        }
+        for (k, band) in bands.iter_mut().enumerate() {
+            band.1 = stated(k);
+        }
+    }
+    by_set(table, field(&["SAMPLE_NAME", "NAME", "SAMPLE_ID"]), &bands, &values)
+}
+
+/// Every column of values, on the common grid of the column of wavelengths.
+pub(super) fn by_wavelength(table: &CsvTable, wavelengths: usize, values: &Values) -> Result<Named, SpectrumError> {
     let mut nm = Vec::with_capacity(table.len());
     for row in 0..table.len() {
         let found = table.number(row, wavelengths, "a wavelength in nm")?;
         let previous = nm.last().copied().unwrap_or(0.0);
         if found <= previous {
             let expected = format!("a wavelength above {previous} nm");
-            return Err(table
-                .cell_error(
-                    row,
-                    wavelengths,
-                    &expected,
-                    Some("sort the rows by wavelength, each once"),
-                )
-                .into());
+            let remedy = Some("sort the rows by wavelength, each once");
+            return Err(table.cell_error(row, wavelengths, &expected, remedy).into());
         }
         nm.push(found);
     }
     let grid = WavelengthGrid::new(nm)?;
-    let expected = match &allowed {
-        Some(range) => format!("a value in {}..{}, dimensionless", range.start(), range.end()),
-        None => "a finite value".into(),
-    };
     let mut spectra = Vec::new();
-    for (column, title) in table.columns().iter().enumerate().filter(|(c, _)| *c != wavelengths) {
-        let mut values = Vec::with_capacity(table.len());
-        for row in 0..table.len() {
-            let value = table.number(row, column, &expected)?;
-            if allowed.as_ref().is_some_and(|range| !range.contains(&value)) {
-                return Err(table.cell_error(row, column, &expected, None).into());
-            }
-            values.push(value);
+    for (column, title) in table.columns().iter().enumerate() {
+        // SAMPLE_ID and its like are notes.
+        if column == wavelengths || title.starts_with("SAMPLE_") {
+            continue;
         }
-        spectra.push((title.clone(), Samples::new(title, &grid, values)?));
+        // ISO 28178: per cent.
+        let values = match title.as_str() {
+            "SPECTRAL_PCT" => &values.over(100.0),
+            _ => values,
+        };
+        let found = (0..table.len()).map(|row| values.read(table, row, column));
+        let samples = Samples::new(title, &grid, found.collect::<Result<_, _>>()?)?;
+        spectra.push((title.clone(), samples));
     }
     if spectra.is_empty() {
-        return Err(table
-            .header_error("a column of values beside wavelength_nm", "none", None)
-            .into());
+        let expected = "a column of values beside the wavelengths";
+        return Err(table.header_error(expected, "none", None).into());
     }
     Ok(spectra)
 }
 
-fn spectra_by_row(table: &CsvTable, names: usize) -> Result<Vec<(String, Samples)>, SpectrumError> {
-    let (columns, nm): (Vec<usize>, Vec<f64>) = table
-        .columns()
-        .iter()
-        .enumerate()
-        .filter_map(|(c, title)| Some((c, title.strip_prefix('R').unwrap_or(title).parse::<f64>().ok()?)))
-        .unzip();
-    if !nm.is_sorted_by(|a, b| a < b) || nm.first().is_none_or(|&w| w <= 0.0) {
-        return Err(table
-            .header_error(
-                "columns titled with ascending wavelengths in nm, such as R390,R400",
-                &table.columns().join(","),
-                None,
-            )
-            .into());
+/// Columns titled with wavelengths in nm, which ascend; one at least.
+fn bands(table: &CsvTable) -> Result<Vec<(usize, f64)>, SpectrumError> {
+    let titles = table.columns().iter().enumerate();
+    let bands: Vec<(usize, f64)> = titles.filter_map(|(c, title)| Some((c, band_nm(title)?))).collect();
+    if bands.is_empty() || !bands.is_sorted_by(|a, b| a.1 < b.1) {
+        let expected = "columns titled with ascending wavelengths in nm, such as R390,R400 or SPEC_390 SPEC_400";
+        return Err(table.header_error(expected, &table.columns().join(","), None).into());
     }
-    let grid = WavelengthGrid::new(nm)?;
-    (0..table.len())
-        .map(|row| {
-            let values = columns
-                .iter()
-                .map(|&c| table.number(row, c, "a finite value"))
-                .collect::<Result<Vec<_>, _>>()?;
-            let name = table.text(row, names);
-            Ok((name.to_owned(), Samples::new(name, &grid, values)?))
-        })
-        .collect()
+    Ok(bands)
 }
 
-fn bytes_of(path: &Path) -> Result<Vec<u8>, SpectrumError> {
-    std::fs::read(path).map_err(|e| SpectrumError::Read {
+/// The wavelength that a title such as `R390`, `SPEC_390`, `SPECTRAL_NM390` or `nm390` names.
+fn band_nm(title: &str) -> Option<f64> {
+    let digits = title.find(|c: char| c.is_ascii_digit())?;
+    let (prefix, number) = title.split_at(digits);
+    let known = [
+        "",
+        "R",
+        "R_",
+        "NM",
+        "NM_",
+        "SPEC_",
+        "SPECTRAL_",
+        "SPECTRAL_NM",
+        "SPECTRAL_NM_",
+    ];
+    let plain = number.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    let known = plain && known.iter().any(|k| k.eq_ignore_ascii_case(prefix));
+    known.then(|| number.parse().ok()).flatten().filter(|&nm| nm > 0.0)
+}
+
+/// A spectrum a row, named by a column or by its number.
+fn by_set(
+    table: &CsvTable,
+    names: Option<usize>,
+    bands: &[(usize, f64)],
+    values: &Values,
+) -> Result<Named, SpectrumError> {
+    let grid = WavelengthGrid::new(bands.iter().map(|&(_, nm)| nm).collect())?;
+    let set = |row: usize| {
+        let name = names.map_or_else(|| (row + 1).to_string(), |column| table.text(row, column).to_owned());
+        let found = bands.iter().map(|&(column, _)| values.read(table, row, column));
+        let samples = Samples::new(&name, &grid, found.collect::<Result<_, _>>()?)?;
+        Ok((name, samples))
+    };
+    (0..table.len()).map(set).collect()
+}
+
+/// The bytes of a file of spectra; its size is looked at before it is read.
+pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, SpectrumError> {
+    let failed = |reason: String| SpectrumError::Read {
         path: path.display().to_string(),
-        reason: e.to_string(),
-    })
+        reason,
+    };
+    // Asked before opening: to open a named pipe is to wait for ever.
+    let there = std::fs::metadata(path).map_err(|e| failed(e.to_string()))?;
+    if !there.is_file() {
+        return Err(failed("expected a file, found a folder, device or pipe".into()));
+    }
+    if there.len() > MOST_BYTES {
+        let found = there.len();
+        return Err(failed(format!(
+            "expected a table of at most {MOST_BYTES} bytes, found {found}"
+        )));
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|e| failed(e.to_string()))?;
+    file.take(MOST_BYTES)
+        .read_to_end(&mut bytes)
+        .map_err(|e| failed(e.to_string()))?;
+    Ok(bytes)
 }

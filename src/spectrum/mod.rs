@@ -1,5 +1,6 @@
 //! Wavelength grids, spectra (functions of wavelength), samples (values on a grid) and the tables they come from.
 
+mod cgats;
 mod csv_table;
 mod file;
 mod function;
@@ -10,7 +11,8 @@ pub mod tables;
 
 pub use csv_table::CsvError;
 pub(crate) use csv_table::CsvTable;
-pub use file::{read_csv_spectra, read_csv_spectrum};
+pub(crate) use file::bytes_of;
+pub use file::{parse_observer, parse_spectra, parse_spectrum, read_spectra, read_spectrum};
 pub use function::Spectrum;
 pub use grid::WavelengthGrid;
 pub use naming::UnknownName;

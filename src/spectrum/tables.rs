@@ -4,10 +4,10 @@
 
 use std::sync::LazyLock;
 
-use super::{CsvTable, Spectrum, SpectrumError, UnknownName, file::spectra_by_column};
+use super::{CsvTable, Spectrum, SpectrumError, UnknownName, file};
 
-/// Colour-matching functions of a standard observer, dimensionless, 360..830 nm.
-#[derive(Debug)]
+/// Colour-matching functions of an observer, dimensionless; of the standard ones at 360..830 nm.
+#[derive(Clone, Debug, PartialEq)]
 pub struct ObserverTables {
     pub x_bar: Spectrum,
     pub y_bar: Spectrum,
@@ -88,7 +88,7 @@ fn observer_of(name: &'static str, csv: &str) -> Result<ObserverTables, Spectrum
 /// `what` is how errors call these spectra.
 fn named(what: &str, csv: &str) -> Result<Named, SpectrumError> {
     let table = CsvTable::parse(what, csv.as_bytes())?;
-    let spectra = spectra_by_column(&table, 0, None)?;
+    let spectra = file::by_wavelength(&table, 0, &file::Values::of(&..))?;
     Ok(spectra
         .into_iter()
         .map(|(title, samples)| {

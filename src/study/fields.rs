@@ -28,6 +28,8 @@ pub(super) enum Kind {
     Integer(u64, u64),
     Flag,
     Choice(&'static [&'static str]),
+    /// One of these names, or a path, told by [`is_path`].
+    ChoiceOrPath(&'static [&'static str]),
     /// Any text but the empty one.
     Text,
 }
@@ -70,15 +72,23 @@ impl Field {
         match self.kind {
             Kind::Number(range) => format!("a number, {range}{unit}"),
             Kind::NumberOrTable(range) => format!(
-                "a number, {range}{unit}, or a path in quotes to a CSV of such numbers, columns wavelength_nm,value"
+                "a number, {range}{unit}, or a path in quotes to a CSV of such numbers, columns wavelength_nm,value, or CGATS text"
             ),
             Kind::Numbers(range, at_least) => format!("a list of {at_least} or more numbers, each {range}{unit}"),
             Kind::Integer(low, high) => format!("a whole number, {low} to {high}{unit}"),
             Kind::Flag => "true or false".into(),
             Kind::Choice(choices) => format!("one of {}", quoted(choices)),
+            Kind::ChoiceOrPath(choices) => {
+                format!("one of {}; or a path with a dot or slash in it", quoted(choices))
+            }
             Kind::Text => "a text in quotes, not empty".into(),
         }
     }
+}
+
+/// Whether a text is a path and no mistyped name.
+pub(super) fn is_path(text: &str) -> bool {
+    text.contains(['.', '/', '\\'])
 }
 
 pub(super) fn quoted(words: &[&str]) -> String {
@@ -238,7 +248,7 @@ pub(super) const SECTIONS: &[Section] = &[
                 "dye",
                 "",
                 Kind::Text,
-                "Shape of the dye's absorption over wavelength, 1 at its peak: a built-in dye, or a path to a CSV.",
+                "Shape of the dye's absorption over wavelength, 1 at its peak: a built-in dye, or a path to a CSV or CGATS text.",
             ),
             field(
                 "interference",
@@ -512,14 +522,14 @@ pub(super) const SECTIONS: &[Section] = &[
             field(
                 "observer",
                 "",
-                Kind::Choice(&["cie1931-2deg", "cie1964-10deg"]),
-                "Colour-matching functions.",
+                Kind::ChoiceOrPath(&["cie1931-2deg", "cie1964-10deg"]),
+                "Colour-matching functions; a file has the columns wavelength_nm,xbar,ybar,zbar, or is CGATS text.",
             ),
             field(
                 "illuminant",
                 "",
-                Kind::Choice(&["D65", "D50", "A", "C", "E"]),
-                "Light in which the cloth is seen.",
+                Kind::ChoiceOrPath(&["D65", "D50", "A", "C", "E"]),
+                "Light in which the cloth is seen, relative power; a file has the columns wavelength_nm,value, or is CGATS text.",
             ),
             field(
                 "rgb",

@@ -14,12 +14,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::spectrum::Samples;
 
-pub use crate::colour::Convention as ColourSection;
 pub use error::{Place, StudyError};
 pub use sections::{
-    CentreLineChoice, CheckSection, ClothSection, DistributionChoice, EstimatorChoice, InterferenceChoice,
-    MeasuredSection, MediumSection, NumberOrTable, RigSection, ShadeWith, SpectrumSection, SpecularSection,
-    SweepSection, TraceSection, WeaveChoice, WeaveSection, YarnSection,
+    CentreLineChoice, CheckSection, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
+    InterferenceChoice, MeasuredSection, MediumSection, NumberOrTable, RigSection, ShadeWith, SpectrumSection,
+    SpecularSection, SweepSection, TraceSection, WeaveChoice, WeaveSection, YarnSection,
 };
 
 /// A study. The default is the built-in one.
@@ -80,13 +79,12 @@ impl Study {
         validate::study(self)
     }
 
-    /// The values of a file that `[medium] key` names in place of a number, each in the range of the key. `columns` is what
-    /// the file at `path` holds beside its wavelengths.
+    /// Checks the values of the file at `path`, which `[medium] key` names in place of a number, against the range of the key.
     ///
     /// # Errors
-    /// Another column than `value`, or the first value out of range with its wavelength; key and file in either.
-    pub fn medium_table(key: &str, path: &str, columns: &[(String, Samples)]) -> Result<Samples, StudyError> {
-        validate::table_of("medium", key, path, columns)
+    /// The first value out of range with its wavelength, key and file.
+    pub fn check_medium_table(key: &str, path: &str, values: &Samples) -> Result<(), StudyError> {
+        validate::table_of("medium", key, path, values)
     }
 
     /// The whole study as TOML, defaults included, without comments.

@@ -117,6 +117,9 @@ fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<De
         Kind::Flag => found.is_bool(),
         Kind::Text => found.is_str(),
         Kind::Choice(choices) => found.as_str().is_some_and(|s| choices.contains(&s)),
+        Kind::ChoiceOrPath(choices) => found
+            .as_str()
+            .is_some_and(|s| choices.contains(&s) || fields::is_path(s)),
     };
     if fits {
         return None;
@@ -128,7 +131,7 @@ fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<De
     );
     let quote = source.quote(span.clone());
     let error = match (field.kind, found) {
-        (Kind::Choice(choices), DeValue::String(text)) => StudyError::Value {
+        (Kind::Choice(choices) | Kind::ChoiceOrPath(choices), DeValue::String(text)) => StudyError::Value {
             place: Some(place),
             key,
             expected,

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::colour::{Adaptation, ColourError, Convention, Illuminant, Observer, RgbSpace};
+
 /// `[spectrum]`: the wavelengths at which everything is computed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -293,6 +295,47 @@ impl Default for RigSection {
             view_max_deg: 70.0,
             view_step_deg: 5.0,
             pixels_per_side: 32,
+        }
+    }
+}
+
+/// `[colour]`: from spectra to colours.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ColourSection {
+    /// A CIE observer's name, or the path of a table.
+    pub observer: String,
+    /// A CIE illuminant's name, or the path of a table.
+    pub illuminant: String,
+    pub rgb: RgbSpace,
+    pub adaptation: Adaptation,
+}
+
+impl ColourSection {
+    /// Names resolved and files read.
+    pub fn convention(&self) -> Result<Convention, ColourError> {
+        Ok(Convention {
+            observer: Observer::load(&self.observer)?,
+            illuminant: Illuminant::load(&self.illuminant)?,
+            rgb: self.rgb,
+            adaptation: self.adaptation,
+        })
+    }
+}
+
+impl Default for ColourSection {
+    fn default() -> Self {
+        let Convention {
+            observer,
+            illuminant,
+            rgb,
+            adaptation,
+        } = Convention::default();
+        Self {
+            observer: observer.to_string(),
+            illuminant: illuminant.to_string(),
+            rgb,
+            adaptation,
         }
     }
 }

@@ -1,6 +1,6 @@
 use toml::Value;
 
-use super::fields::{self, Field, Kind, SECTIONS, quoted};
+use super::fields::{self, Field, Kind, SECTIONS};
 use super::{CentreLineChoice, RigSection, SpectrumSection, Study, StudyError, TraceSection};
 use crate::spectrum::Samples;
 
@@ -82,6 +82,9 @@ fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyErro
             .as_integer()
             .and_then(|i| u64::try_from(i).ok())
             .is_some_and(|i| (low..=high).contains(&i)),
+        Kind::ChoiceOrPath(choices) => found
+            .as_str()
+            .is_some_and(|s| choices.contains(&s) || fields::is_path(s)),
         Kind::Text => found.as_str().is_some_and(|s| !s.trim().is_empty()),
         // The types admit nothing else.
         Kind::Flag | Kind::Choice(_) => true,
@@ -98,13 +101,8 @@ fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyErro
     ))
 }
 
-/// [`Study::medium_table`], for any section.
-pub(super) fn table_of(
-    section: &str,
-    key: &str,
-    path: &str,
-    columns: &[(String, Samples)],
-) -> Result<Samples, StudyError> {
+/// [`Study::check_medium_table`], for any section.
+pub(super) fn table_of(section: &str, key: &str, path: &str, values: &Samples) -> Result<(), StudyError> {
     let fault = |expected: String, found: String, remedy: String| {
         Err(value(
             fields::path(section, key),
@@ -126,17 +124,9 @@ pub(super) fn table_of(
             "write a number".into(),
         );
     };
-    let samples = match columns {
-        [(title, samples)] if title == "value" => samples,
-        _ => {
-            let titles: Vec<&str> = columns.iter().map(|(title, _)| title.as_str()).collect();
-            let remedy = "keep one column beside wavelength_nm and name it value";
-            return fault("the columns wavelength_nm,value".into(), quoted(&titles), remedy.into());
-        }
-    };
-    let mut points = samples.grid().nm().iter().zip(samples.values());
+    let mut points = values.grid().nm().iter().zip(values.values());
     match points.find(|(_, found)| !range.contains(**found)) {
-        None => Ok(samples.clone()),
+        None => Ok(()),
         Some((nm, found)) => fault(
             format!("each value {range} {unit}").trim_end().to_owned(),
             format!("{found} at {nm} nm"),

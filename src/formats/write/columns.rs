@@ -22,14 +22,22 @@ pub(super) fn write(
         notices.push(format!("{format} does not state that the light comes from the back"));
     }
     let readings = readings(component, format, notices)?;
+    let errors = match &component.table {
+        Table::Scattered(scattered) => scattered.reading_errors(),
+        _ => Vec::new(),
+    };
     let plane = readings.first().is_some_and(|(angles, _)| angles.len() == 2);
     if format == Format::Astm {
+        if !errors.is_empty() {
+            notices.push("astm holds no standard errors: they are left out".into());
+        }
         if component.scatter == Scatter::Transmission {
             notices.push("astm does not state that the values are of transmission".into());
         }
         return Ok(astm(component, &readings, plane, provenance));
     }
-    Ok(csv(component, &readings, plane, provenance))
+    // A CSV's own errors are of its own quantity; no other format states any.
+    Ok(csv(component, &readings, &errors, plane, provenance))
 }
 
 fn astm(component: &Component, readings: &[Reading], plane: bool, provenance: &Provenance) -> Vec<u8> {
@@ -62,7 +70,13 @@ fn astm(component: &Component, readings: &[Reading], plane: bool, provenance: &P
     text.into_bytes()
 }
 
-fn csv(component: &Component, readings: &[Reading], plane: bool, provenance: &Provenance) -> Vec<u8> {
+fn csv(
+    component: &Component,
+    readings: &[Reading],
+    errors: &[(Vec<f64>, &[f64])],
+    plane: bool,
+    provenance: &Provenance,
+) -> Vec<u8> {
     let mut text = String::new();
     for comment in &provenance.comments {
         let _ = writeln!(text, "# {comment}");
@@ -73,12 +87,21 @@ fn csv(component: &Component, readings: &[Reading], plane: bool, provenance: &Pr
         "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,"
     };
     text += match component.channels {
-        Channels::Monochrome => "beta\n",
-        Channels::Rgb => "beta_r,beta_g,beta_b\n",
-        Channels::Xyz => "beta_x,beta_y,beta_z\n",
-        Channels::Wavelengths(_) => "wavelength_nm,beta\n",
+        Channels::Monochrome => "beta",
+        Channels::Rgb => "beta_r,beta_g,beta_b",
+        Channels::Xyz => "beta_x,beta_y,beta_z",
+        Channels::Wavelengths(_) => "wavelength_nm,beta",
     };
-    for (angles, values) in readings {
+    if !errors.is_empty() {
+        text += match component.channels {
+            Channels::Rgb => ",beta_r_se,beta_g_se,beta_b_se",
+            Channels::Xyz => ",beta_x_se,beta_y_se,beta_z_se",
+            Channels::Monochrome | Channels::Wavelengths(_) => ",beta_se",
+        };
+    }
+    text.push('\n');
+    for (index, (angles, values)) in readings.iter().enumerate() {
+        let errors = errors.get(index).map_or(&[][..], |(_, errors)| errors);
         let mut degrees: Vec<f64> = angles.iter().map(|&a| rounded_deg(a)).collect();
         if component.scatter == Scatter::Transmission && !plane {
             degrees[2] = 180.0 - degrees[2];
@@ -86,11 +109,13 @@ fn csv(component: &Component, readings: &[Reading], plane: bool, provenance: &Pr
         let degrees: Vec<String> = degrees.iter().map(f64::to_string).collect();
         let beta = values.iter().map(f64::to_string);
         if let Channels::Wavelengths(grid) = &component.channels {
-            for (nm, beta) in grid.nm().iter().zip(beta) {
-                let _ = writeln!(text, "{},{nm},{beta}", degrees.join(","));
+            for (channel, (nm, beta)) in grid.nm().iter().zip(beta).enumerate() {
+                let error = errors.get(channel).map_or(String::new(), |error| format!(",{error}"));
+                let _ = writeln!(text, "{},{nm},{beta}{error}", degrees.join(","));
             }
         } else {
-            let _ = writeln!(text, "{},{}", degrees.join(","), beta.collect::<Vec<_>>().join(","));
+            let numbers: Vec<String> = beta.chain(errors.iter().map(f64::to_string)).collect();
+            let _ = writeln!(text, "{},{}", degrees.join(","), numbers.join(","));
         }
     }
     text.into_bytes()

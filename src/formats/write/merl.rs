@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::super::merl;
-use super::super::{Component, Format};
+use super::super::{Channels, Component, Format};
 use super::WriteError;
 use super::sampling::{ChannelMap, Sampler, clipped};
 use crate::geometry::Vec3;
@@ -13,23 +13,24 @@ const TURNS: usize = 8;
 
 /// Linear RGB at each node; of an anisotropic source the mean over turns of the sample about its normal.
 pub(super) fn write(component: &Component, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
-    let sampler = Sampler::new(component, Format::Merl)?;
     let map = ChannelMap::to_rgb(&component.channels, notices)?;
+    let as_rgb = component.with_channels(Channels::Rgb, |values| map.apply(values));
+    let (component, map) = match &as_rgb {
+        Some(as_rgb) => (as_rgb, ChannelMap::Same),
+        None => (component, map),
+    };
+    let sampler = Sampler::new(component, Format::Merl)?;
     let turns = if component.is_isotropic() { 1 } else { TURNS };
     if turns > 1 {
         notices.push(format!(
             "merl holds isotropic data: values are the mean over {TURNS} turns about the normal"
         ));
     }
+    let turns_rad: Vec<f64> = (0..turns).map(|turn| turn as f64 / turns as f64 * TAU).collect();
     let mean = |omega_in: &Vec3, omega_out: &Vec3| -> Result<[f64; 3], WriteError> {
-        let mut mean = [0.0; 3];
-        for turn in 0..turns {
-            let (sin, cos) = (turn as f64 / turns as f64 * TAU).sin_cos();
-            let turned = |d: &Vec3| Vec3::new(cos * d.x - sin * d.y, sin * d.x + cos * d.y, d.z);
-            let f = map.apply(&sampler.bsdf(&turned(omega_in), &turned(omega_out))?);
-            mean.iter_mut().zip(f).for_each(|(sum, f)| *sum += f / turns as f64);
-        }
-        Ok(mean)
+        // The map is linear: the mean of the source's channels is mapped once.
+        let rgb = map.apply(&sampler.mean_over_turns(omega_in, omega_out, &turns_rad)?);
+        Ok([rgb[0], rgb[1], rgb[2]])
     };
     let all: Vec<usize> = (0..merl::NODES).collect();
     let rgb = all.par_iter().map(|&node| match merl::directions(node) {

@@ -56,33 +56,50 @@ impl<'a> Sampler<'a> {
 
     /// Directions as they are above the surface, light on its front; of transmission the outgoing one mirrored up.
     pub(super) fn bsdf(&self, omega_in: &Vec3, omega_out: &Vec3) -> Result<Vec<f64>, WriteError> {
-        self.asked.fetch_add(1, Relaxed);
-        let ((theta_i, phi_i), (theta_o, phi_o)) = (angles_of(omega_in), angles_of(omega_out));
-        if theta_o <= HORIZON_RAD
-            && let Some(values) = self.at(omega_in, omega_out)
-        {
-            return Ok(values);
-        }
-        // Below the horizon there is nothing to measure; tables only need something smooth there.
-        self.filled.fetch_add(usize::from(theta_o <= FRAC_PI_2), Relaxed);
-        let [first, last] = self.incidences_rad;
-        let omega_in = direction(theta_i.clamp(first, last), phi_i);
-        let mut polar = theta_o.min(HORIZON_RAD);
-        while polar >= 0.0 {
-            if let Some(values) = self.at(&omega_in, &direction(polar, phi_o)) {
-                return Ok(values);
-            }
-            polar -= 1f64.to_radians();
-        }
-        Err(WriteError::NotMeasured {
-            format: self.format,
-            theta_i_deg: theta_i.to_degrees(),
-            theta_o_deg: theta_o.to_degrees(),
-            phi_o_deg: phi_o.to_degrees(),
-        })
+        self.mean_over_turns(omega_in, omega_out, &[0.0])
     }
 
-    fn at(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Vec<f64>> {
+    /// The mean of [`Self::bsdf`] over pairs turned about the normal by these angles.
+    pub(super) fn mean_over_turns(
+        &self,
+        omega_in: &Vec3,
+        omega_out: &Vec3,
+        turns_rad: &[f64],
+    ) -> Result<Vec<f64>, WriteError> {
+        self.asked.fetch_add(turns_rad.len(), Relaxed);
+        let (theta_o, phi_o) = angles_of(omega_out);
+        let mut left = turns_rad.to_vec();
+        let mut sums = vec![0.0; self.component.channels.count()];
+        if theta_o <= HORIZON_RAD {
+            self.add(omega_in, omega_out, &mut left, &mut sums);
+        }
+        if !left.is_empty() {
+            // Below the horizon there is nothing to measure; tables only need something smooth there.
+            let counted = if theta_o <= FRAC_PI_2 { left.len() } else { 0 };
+            self.filled.fetch_add(counted, Relaxed);
+            let (theta_i, phi_i) = angles_of(omega_in);
+            let [first, last] = self.incidences_rad;
+            let omega_in = direction(theta_i.clamp(first, last), phi_i);
+            let mut polar = theta_o.min(HORIZON_RAD);
+            while !left.is_empty() {
+                if polar < 0.0 {
+                    return Err(WriteError::NotMeasured {
+                        format: self.format,
+                        theta_i_deg: theta_i.to_degrees(),
+                        theta_o_deg: theta_o.to_degrees(),
+                        phi_o_deg: phi_o.to_degrees(),
+                    });
+                }
+                self.add(&omega_in, &direction(polar, phi_o), &mut left, &mut sums);
+                polar -= 1f64.to_radians();
+            }
+        }
+        let turns = turns_rad.len() as f64;
+        sums.iter_mut().for_each(|sum| *sum /= turns);
+        Ok(sums)
+    }
+
+    fn add(&self, omega_in: &Vec3, omega_out: &Vec3, turns_rad: &mut Vec<f64>, sums: &mut [f64]) {
         let front = if self.component.side == Side::Front { 1.0 } else { -1.0 };
         let beyond = if self.component.scatter == Scatter::Reflection {
             front
@@ -90,10 +107,8 @@ impl<'a> Sampler<'a> {
             -front
         };
         let turned = |d: &Vec3, sign: f64| Vec3::new(d.x, d.y, d.z * sign);
-        let found = self
-            .component
-            .eval(&turned(omega_in, front), &turned(omega_out, beyond));
-        found.and_then(|evaluation| evaluation.bsdf())
+        let (omega_in, omega_out) = (turned(omega_in, front), turned(omega_out, beyond));
+        self.component.add_bsdf_turned(&omega_in, &omega_out, turns_rad, sums);
     }
 
     /// What has to be told of the values that were not measured.

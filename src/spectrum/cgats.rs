@@ -1,0 +1,216 @@
+//! CGATS-like text: key words, one data format, one block of data (CGATS.17, ISO 28178; Argyll's `.sp` files are of it).
+
+use super::CsvTable;
+use super::csv_table::{CsvError, Row, shortened};
+
+/// A CGATS text and those of its key words that say how to read it.
+pub(super) struct Cgats {
+    pub table: CsvTable,
+    keywords: Vec<Keyword>,
+}
+
+struct Keyword {
+    line: usize,
+    key: String,
+    value: String,
+}
+
+/// Where in the file a line is.
+#[derive(Clone, Copy, PartialEq)]
+enum Part {
+    Keywords,
+    Format,
+    Data,
+    End,
+}
+
+/// Whether a text is CGATS and not CSV: a line of it begins with one of the words that every CGATS file has.
+pub(super) fn is_cgats(text: &str) -> bool {
+    const WORDS: [&str; 4] = ["BEGIN_DATA_FORMAT", "BEGIN_DATA", "NUMBER_OF_FIELDS", "NUMBER_OF_SETS"];
+    text.lines()
+        .any(|line| line.split_whitespace().next().is_some_and(|word| WORDS.contains(&word)))
+}
+
+impl Cgats {
+    /// A set is one line with as many values as the format has fields; stated numbers of fields and sets must be right.
+    pub(super) fn parse(name: &str, text: &str) -> Result<Self, Box<CsvError>> {
+        let mut part = Part::Keywords;
+        let mut has_format = false;
+        let mut cgats = Self {
+            table: CsvTable {
+                name: name.into(),
+                header_line: 1,
+                columns: Vec::new(),
+                rows: Vec::new(),
+            },
+            keywords: Vec::new(),
+        };
+        let last_line = text.lines().count().max(1);
+        for (index, content) in text.lines().enumerate() {
+            let line = index + 1;
+            let mut words = cgats.words(line, content)?;
+            let Some(first) = words.first() else { continue };
+            let fault =
+                |expected: &str, remedy| Err(cgats.table.error(line, None, expected, &shortened(first), remedy));
+            match (part, first.as_str()) {
+                (Part::Keywords, "BEGIN_DATA_FORMAT") if !has_format => {
+                    part = Part::Format;
+                    has_format = true;
+                    cgats.table.header_line = line;
+                    words.remove(0);
+                }
+                (Part::Keywords, "BEGIN_DATA") if has_format && words.len() == 1 => {
+                    part = Part::Data;
+                    continue;
+                }
+                (Part::Keywords, "BEGIN_DATA" | "BEGIN_DATA_FORMAT" | "END_DATA" | "END_DATA_FORMAT") => {
+                    let expected = if has_format { "BEGIN_DATA" } else { "BEGIN_DATA_FORMAT" };
+                    return fault(expected, Some("one data format and then one block of data make a file"));
+                }
+                (Part::Format, "BEGIN_DATA") => return fault("END_DATA_FORMAT", None),
+                (Part::Data, "END_DATA") if words.len() == 1 => {
+                    part = Part::End;
+                    continue;
+                }
+                (Part::End, _) => return fault("the end of the file after END_DATA", Some("keep one table a file")),
+                _ => {}
+            }
+            match part {
+                Part::Keywords => cgats.keyword(line, words)?,
+                Part::Format => {
+                    if words.last().is_some_and(|word| word == "END_DATA_FORMAT") {
+                        words.pop();
+                        part = Part::Keywords;
+                    }
+                    cgats.table.columns.append(&mut words);
+                }
+                Part::Data => cgats.set(line, words)?,
+                Part::End => {}
+            }
+        }
+        let missing = match part {
+            Part::Keywords if has_format => "BEGIN_DATA",
+            Part::Keywords => "BEGIN_DATA_FORMAT",
+            Part::Format => "END_DATA_FORMAT",
+            Part::Data => "END_DATA",
+            Part::End => {
+                cgats.counted("NUMBER_OF_FIELDS", cgats.table.columns.len())?;
+                cgats.counted("NUMBER_OF_SETS", cgats.table.rows.len())?;
+                cgats.table = cgats.table.complete()?;
+                return Ok(cgats);
+            }
+        };
+        let remedy = Some("the file may be cut off");
+        Err(cgats
+            .table
+            .error(last_line, None, missing, "the end of the file", remedy))
+    }
+
+    /// The number that a key word states, with its line; it must be above 0.
+    pub(super) fn number(&self, key: &str) -> Result<Option<(f64, usize)>, Box<CsvError>> {
+        let Some(keyword) = self.keywords.iter().find(|keyword| keyword.key == key) else {
+            return Ok(None);
+        };
+        match keyword.value.parse::<f64>() {
+            Ok(value) if value.is_finite() && value > 0.0 => Ok(Some((value, keyword.line))),
+            _ => {
+                let found = shortened(&keyword.value);
+                Err(self
+                    .table
+                    .error(keyword.line, Some(key), "a number above 0", &found, None))
+            }
+        }
+    }
+
+    /// Words of a line, in double quotes or between white space, up to a comment; a doubled quote in quotes is a quote.
+    fn words(&self, line: usize, content: &str) -> Result<Vec<String>, Box<CsvError>> {
+        let mut words = Vec::new();
+        let mut rest = content.trim_start();
+        while !rest.is_empty() && !rest.starts_with('#') {
+            let mut word = String::new();
+            if let Some(mut quoted) = rest.strip_prefix('"') {
+                loop {
+                    let Some((inside, after)) = quoted.split_once('"') else {
+                        let expected = "a closing quotation mark on the same line";
+                        return Err(self.table.error(line, None, expected, &shortened(rest), None));
+                    };
+                    word += inside;
+                    quoted = after;
+                    match quoted.strip_prefix('"') {
+                        Some(after) => {
+                            word.push('"');
+                            quoted = after;
+                        }
+                        None => break,
+                    }
+                }
+                rest = quoted;
+            } else {
+                let (bare, after) = rest.split_at(rest.find(char::is_whitespace).unwrap_or(rest.len()));
+                word += bare;
+                rest = after;
+            }
+            words.push(word);
+            rest = rest.trim_start();
+        }
+        Ok(words)
+    }
+
+    fn keyword(&mut self, line: usize, mut words: Vec<String>) -> Result<(), Box<CsvError>> {
+        let value = if words.len() > 1 {
+            words.swap_remove(1)
+        } else {
+            String::new()
+        };
+        let key = words.swap_remove(0);
+        // What reading depends on has one value; the rest are notes and may be repeated.
+        let decides = key.starts_with("NUMBER_OF_") || key.starts_with("SPECTRAL_");
+        if !decides {
+            return Ok(());
+        }
+        if self.keywords.iter().any(|known| known.key == key) {
+            return Err(self.table.error(
+                line,
+                None,
+                "every key word once",
+                &format!("{} twice", shortened(&key)),
+                None,
+            ));
+        }
+        self.keywords.push(Keyword { line, key, value });
+        Ok(())
+    }
+
+    fn set(&mut self, line: usize, cells: Vec<String>) -> Result<(), Box<CsvError>> {
+        let fields = self.table.columns.len();
+        if cells.len() != fields {
+            let expected = format!("{fields} values, one a field of the data format, or END_DATA");
+            let found = cells.len().to_string();
+            return Err(self.table.error(
+                line,
+                None,
+                &expected,
+                &found,
+                Some("write each set in a line of its own"),
+            ));
+        }
+        self.table.rows.push(Row { line, cells });
+        Ok(())
+    }
+
+    fn counted(&self, key: &str, found: usize) -> Result<(), Box<CsvError>> {
+        match self.number(key)? {
+            Some((stated, line)) if stated != found as f64 => {
+                let expected = format!("{stated}, as stated here");
+                Err(self.table.error(
+                    line,
+                    Some(key),
+                    &expected,
+                    &found.to_string(),
+                    Some("the file may be cut off"),
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+}
