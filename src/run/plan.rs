@@ -395,6 +395,11 @@ fn cloth_spec(study: &Study, weave: Weave) -> ClothSpec {
         weft_spacing_mm: spacing_mm,
         segments_around: cloth.segments_around as usize,
         segments_along: cloth.segments_along as usize,
-        ..ClothSpec::default()
+        warp_flattening: cloth.warp_flattening,
+        weft_flattening: cloth.weft_flattening,
+        radius_variation: cloth.radius_variation,
+        spacing_variation: cloth.spacing_variation,
+        repeats: [cloth.repeats as usize; 2],
+        variation_seed: cloth.variation_seed,
     }
 }

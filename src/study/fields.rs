@@ -26,6 +26,8 @@ pub(super) enum Kind {
     /// A list of at least so many numbers.
     Numbers(Range, usize),
     Integer(u64, u64),
+    /// A whole number, or this word in quotes for any number.
+    IntegerOr(u64, u64, &'static str),
     Flag,
     Choice(&'static [&'static str]),
     /// One of these names, or a path, told by [`is_path`].
@@ -76,6 +78,7 @@ impl Field {
             ),
             Kind::Numbers(range, at_least) => format!("a list of {at_least} or more numbers, each {range}{unit}"),
             Kind::Integer(low, high) => format!("a whole number, {low} to {high}{unit}"),
+            Kind::IntegerOr(low, high, word) => format!("a whole number, {low} to {high}, or \"{word}\""),
             Kind::Flag => "true or false".into(),
             Kind::Choice(choices) => format!("one of {}", quoted(choices)),
             Kind::ChoiceOrPath(choices) => {
@@ -297,6 +300,18 @@ pub(super) const SECTIONS: &[Section] = &[
                 "Paths for each tilt and wavelength of the direct simulation, at least one a batch.",
             ),
             field(
+                "particles",
+                "",
+                Kind::Integer(2, 1_000_000_000_000),
+                "Particles of each beam that are followed from yarn to yarn where yarns scatter by f*.",
+            ),
+            field(
+                "particles_volumetric",
+                "",
+                Kind::Integer(2, 1_000_000_000_000),
+                "Particles of each beam of the volumetric method.",
+            ),
+            field(
                 "roulette_threshold",
                 "",
                 Kind::Number(Range {
@@ -431,6 +446,54 @@ pub(super) const SECTIONS: &[Section] = &[
                 Kind::Number(closed(-360.0, 360.0)),
                 "Turn of the cloth in its plane: warp from the plane of incidence.",
             ),
+            field(
+                "method",
+                "",
+                Kind::Choice(&["radiance-factor", "volumetric"]),
+                "Light in the cloth: scattered by the yarns' f*, or traced through the medium of every yarn it meets.",
+            ),
+            field(
+                "bounces",
+                "",
+                Kind::IntegerOr(0, 1000, "all"),
+                "Yarns that light may go on to after the first it met, where yarns scatter by f*; 0 is the preprint's shading.",
+            ),
+            field(
+                "warp_flattening",
+                "",
+                Kind::Number(closed(0.2, 5.0)),
+                "Width over height of the warp yarns' elliptical section, whose area is that of the yarn's radius.",
+            ),
+            field(
+                "weft_flattening",
+                "",
+                Kind::Number(closed(0.2, 5.0)),
+                "The same of the weft yarns.",
+            ),
+            field(
+                "radius_variation",
+                "",
+                Kind::Number(closed(0.0, 0.2)),
+                "Relative standard deviation of the yarns' radii from one to the next.",
+            ),
+            field(
+                "spacing_variation",
+                "",
+                Kind::Number(closed(0.0, 0.2)),
+                "Relative standard deviation of the distances between neighbouring yarns.",
+            ),
+            field(
+                "repeats",
+                "",
+                Kind::Integer(1, 256),
+                "Repeats of the weave along warp and weft before variations come again.",
+            ),
+            field(
+                "variation_seed",
+                "",
+                Kind::Integer(0, i64::MAX as u64),
+                "Seed of the variations, apart from the study's.",
+            ),
         ],
     },
     Section {
@@ -450,6 +513,13 @@ pub(super) const SECTIONS: &[Section] = &[
         name: "specular",
         meaning: "Gloss about the cloth's normal (Cook-Torrance), for model and classical shading alike.",
         fields: &[
+            field(
+                "surface",
+                "",
+                Kind::Choice(&["cloth", "yarn"]),
+                "What shines: the cloth about its normal (Cook-Torrance), or the smooth surface of each yarn (Fresnel), whose light goes \
+                 on to other yarns; classical shading is about the cloth's normal in any case.",
+            ),
             field(
                 "roughness",
                 "",
@@ -512,6 +582,13 @@ pub(super) const SECTIONS: &[Section] = &[
                 "",
                 Kind::Integer(1, 10_000),
                 "Pixels a side over one unit cell of the cloth.",
+            ),
+            field(
+                "aperture_half_angle_deg",
+                "degrees",
+                Kind::Number(closed(0.1, 20.0)),
+                "Half angle of the cone about a view in which light is caught that leaves a smooth surface, and all light of the \
+                 volumetric method.",
             ),
         ],
     },

@@ -16,9 +16,9 @@ use crate::spectrum::Samples;
 
 pub use error::{Place, StudyError};
 pub use sections::{
-    CentreLineChoice, CheckSection, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
-    InterferenceChoice, MeasuredSection, MediumSection, NumberOrTable, RigSection, ShadeWith, SpectrumSection,
-    SpecularSection, SweepSection, TraceSection, WeaveChoice, WeaveSection, YarnSection,
+    Bounces, CentreLineChoice, CheckSection, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
+    InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection, ShadeWith, SpectrumSection,
+    SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeaveChoice, WeaveSection, YarnSection,
 };
 
 /// A study. The default is the built-in one.

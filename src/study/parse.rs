@@ -114,6 +114,7 @@ fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<De
             }
             None => false,
         },
+        Kind::IntegerOr(_, _, word) => found.is_integer() || found.as_str() == Some(word),
         Kind::Flag => found.is_bool(),
         Kind::Text => found.is_str(),
         Kind::Choice(choices) => found.as_str().is_some_and(|s| choices.contains(&s)),

@@ -122,6 +122,8 @@ pub struct TraceSection {
     pub batches: u32,
     pub paths_bssrdf: u64,
     pub paths_direct: u64,
+    pub particles: u64,
+    pub particles_volumetric: u64,
     pub roulette_threshold: f64,
     pub roulette_survival: f64,
     pub zenith_cells: u32,
@@ -145,6 +147,8 @@ impl Default for TraceSection {
             batches: 16,
             paths_bssrdf: 20_000,
             paths_direct: 600_000,
+            particles: 48_000,
+            particles_volumetric: 2_000_000,
             roulette_threshold: 0.1,
             roulette_survival: 0.2,
             zenith_cells: 9,
@@ -191,6 +195,14 @@ pub struct ClothSection {
     pub segments_around: u32,
     pub segments_along: u32,
     pub azimuth_deg: f64,
+    pub method: MethodChoice,
+    pub bounces: Bounces,
+    pub warp_flattening: f64,
+    pub weft_flattening: f64,
+    pub radius_variation: f64,
+    pub spacing_variation: f64,
+    pub repeats: u32,
+    pub variation_seed: u64,
 }
 
 impl Default for ClothSection {
@@ -203,6 +215,51 @@ impl Default for ClothSection {
             segments_around: 48,
             segments_along: 24,
             azimuth_deg: 0.0,
+            method: MethodChoice::RadianceFactor,
+            bounces: Bounces::Most(0),
+            warp_flattening: 1.0,
+            weft_flattening: 1.0,
+            radius_variation: 0.0,
+            spacing_variation: 0.0,
+            repeats: 1,
+            variation_seed: 1,
+        }
+    }
+}
+
+/// How light in the cloth is simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MethodChoice {
+    /// Yarns scatter by their f*.
+    RadianceFactor,
+    /// Light is traced through the medium of every yarn.
+    Volumetric,
+}
+
+/// Yarns that light may go on to after the first it met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Bounces {
+    Most(u32),
+    Word(BouncesWord),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BouncesWord {
+    All,
+}
+
+impl Bounces {
+    /// However many.
+    pub const ALL: Self = Self::Word(BouncesWord::All);
+
+    /// The number, with no end for all.
+    pub fn most(self) -> usize {
+        match self {
+            Self::Most(most) => most as usize,
+            Self::Word(BouncesWord::All) => usize::MAX,
         }
     }
 }
@@ -249,11 +306,23 @@ pub struct SpecularSection {
     pub distribution: DistributionChoice,
     pub index: f64,
     pub weight: f64,
+    pub surface: SurfaceChoice,
+}
+
+/// What shines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SurfaceChoice {
+    /// The cloth as a whole, about its normal.
+    Cloth,
+    /// The smooth surface of each yarn.
+    Yarn,
 }
 
 impl Default for SpecularSection {
     fn default() -> Self {
         Self {
+            surface: SurfaceChoice::Cloth,
             roughness: 0.4,
             distribution: DistributionChoice::Beckmann,
             index: 1.557,
@@ -278,6 +347,7 @@ pub struct RigSection {
     pub view_max_deg: f64,
     pub view_step_deg: f64,
     pub pixels_per_side: u32,
+    pub aperture_half_angle_deg: f64,
 }
 
 impl RigSection {
@@ -295,6 +365,7 @@ impl Default for RigSection {
             view_max_deg: 70.0,
             view_step_deg: 5.0,
             pixels_per_side: 32,
+            aperture_half_angle_deg: 5.0,
         }
     }
 }

@@ -85,6 +85,13 @@ fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyErro
         Kind::ChoiceOrPath(choices) => found
             .as_str()
             .is_some_and(|s| choices.contains(&s) || fields::is_path(s)),
+        Kind::IntegerOr(low, high, word) => match found.as_str() {
+            Some(text) => text == word,
+            None => found
+                .as_integer()
+                .and_then(|i| u64::try_from(i).ok())
+                .is_some_and(|i| (low..=high).contains(&i)),
+        },
         Kind::Text => found.as_str().is_some_and(|s| !s.trim().is_empty()),
         // The types admit nothing else.
         Kind::Flag | Kind::Choice(_) => true,
@@ -206,6 +213,8 @@ fn trace(trace: &TraceSection) -> Result<(), StudyError> {
     for (key, paths) in [
         ("paths_bssrdf", trace.paths_bssrdf),
         ("paths_direct", trace.paths_direct),
+        ("particles", trace.particles),
+        ("particles_volumetric", trace.particles_volumetric),
     ] {
         if paths < u64::from(trace.batches) {
             return Err(value(
