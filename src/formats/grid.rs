@@ -50,7 +50,7 @@ pub struct Grid {
 impl Grid {
     /// Axes and channels from the slowest in `values` to the fastest, the channel being 4. Lengths must fit, and were
     /// checked by the reader.
-    pub(super) fn new(
+    pub(crate) fn new(
         parameters: Parameters,
         axes: [Axis; 4],
         fold: Fold,

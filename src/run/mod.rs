@@ -4,6 +4,7 @@ mod artefact;
 mod batches;
 mod camera;
 mod curves;
+mod full;
 mod plan;
 mod reabsorb;
 mod report;
@@ -22,6 +23,9 @@ pub use camera::CameraBatch;
 pub(crate) use camera::stream_of;
 pub use curves::SpectralCurves;
 pub(crate) use curves::directions;
+pub use full::{
+    Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Incidence, Symmetry, VolumetricCloth, symmetries,
+};
 pub(crate) use plan::dye_on;
 pub use plan::{Plan, RunError, medium};
 pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};

@@ -9,7 +9,7 @@ mod detector;
 mod ledger;
 mod volumetric;
 
-pub use detector::{Detector, ViewCones};
+pub use detector::{Detector, HemisphereNodes, ViewCones};
 pub use ledger::ClothLedger;
 pub use volumetric::{Inside, Volumetric};
 
