@@ -77,7 +77,7 @@ fn quantities(plan: &Plan, measured: &[Option<Reading>]) -> Quantities {
     let geometries = plan.geometries();
     let simulator = Simulator::new(plan, geometries.clone()).unwrap();
     let (ledgers, diffuse): (Vec<_>, Vec<_>) = (0..plan.direct_effort.batches)
-        .map(|batch| simulator.batch(batch))
+        .map(|batch| simulator.batch(batch).unwrap())
         .map(|batch| (batch.ledgers, batch.diffuse))
         .unzip();
     let gloss = |of: &Geometry| {

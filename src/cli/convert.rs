@@ -25,7 +25,7 @@ pub struct Arguments {
 }
 
 #[derive(Debug, thiserror::Error)]
-enum ConvertError {
+pub(super) enum ConvertError {
     #[error("{}: exists already and is left as it is; name another file, or replace it with --force", path.display())]
     Exists { path: PathBuf },
     #[error(
@@ -45,7 +45,7 @@ struct Converted {
     notices: Vec<String>,
 }
 
-fn format_of(name: &str) -> Result<Format, String> {
+pub(super) fn format_of(name: &str) -> Result<Format, String> {
     let known = Format::ALL
         .into_iter()
         .find(|format| format.name() == name.to_ascii_lowercase());
@@ -53,7 +53,7 @@ fn format_of(name: &str) -> Result<Format, String> {
 }
 
 /// What the extension of a file to be written says: its format and, in Integra's files, its kind.
-fn by_extension(path: &Path) -> (Option<Format>, Option<Scatter>) {
+pub(super) fn by_extension(path: &Path) -> (Option<Format>, Option<Scatter>) {
     let extension = path
         .extension()
         .unwrap_or_default()

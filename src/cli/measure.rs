@@ -1,4 +1,4 @@
-use super::{Failure, Options, Stopping, Terminal, state_beside, study};
+use super::{Failure, Options, Stopping, Terminal, full, state_beside, study};
 use serde::Serialize;
 use specval::report::{check_writable, effort_line, write_whole};
 use specval::run::{Plan, Simulator, StateFile, Watch};
@@ -13,9 +13,11 @@ pub struct Arguments {
     /// Study file; without it the built-in study.
     #[arg(value_name = "STUDY")]
     study: Option<PathBuf>,
-    /// CSV file for the curves.
+    /// CSV file for the curves; with --full a file of any format that is written.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    full: full::Arguments,
     #[command(flatten)]
     stopping: Stopping,
 }
@@ -31,6 +33,9 @@ struct Row {
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
     let plan = Plan::new(study::load(arguments.study.as_deref(), options)?)?;
+    if arguments.full.full {
+        return full::run(&plan, &arguments.out, &arguments.full, options, terminal);
+    }
     check_writable(&arguments.out)?;
     let wavelengths = plan.grid.len();
     let stopping = &arguments.stopping;

@@ -6,6 +6,7 @@
 pub mod check;
 pub mod colour;
 pub mod convert;
+mod full;
 pub mod init;
 pub mod inspect;
 pub mod measure;

@@ -32,7 +32,7 @@ pub(super) struct Between {
 
 impl Axis {
     /// Nodes ascend strictly and are not empty.
-    pub(super) fn bounded(nodes_rad: Vec<f64>) -> Self {
+    pub(crate) fn bounded(nodes_rad: Vec<f64>) -> Self {
         let beyond = Beyond::Nothing;
         Self { nodes_rad, beyond }
     }
@@ -45,7 +45,7 @@ impl Axis {
 
     /// An azimuth: a single node stands for all of the circle. The arc from the last node round to the first counts as
     /// measured if it is no wider than the widest one between neighbours.
-    pub(super) fn azimuth(nodes_rad: Vec<f64>, period_rad: f64) -> Self {
+    pub(crate) fn azimuth(nodes_rad: Vec<f64>, period_rad: f64) -> Self {
         let beyond = match nodes_rad.as_slice() {
             [_] => Beyond::Everything,
             nodes => {

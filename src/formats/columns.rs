@@ -253,15 +253,16 @@ pub(super) fn read_csv(text: Text) -> Result<Goniometric, FormatError> {
         let row = numbers(text, line, &names, &ranges)?;
         let mut degrees: Vec<f64> = angle_places.iter().map(|&place| row[place]).collect();
         if directions == Directions::Sphere {
-            let here = degrees[2] > 90.0;
-            if *through.get_or_insert(here) != here {
+            // The horizon belongs to both.
+            let side = (degrees[2] != 90.0).then_some(degrees[2] > 90.0);
+            if side.is_some_and(|side| *through.get_or_insert(side) != side) {
                 return Err(text.error(
                     line.0,
                     "either reflection or transmission in a file",
                     format!("theta_o {}", degrees[2]),
                 ));
             }
-            if here {
+            if degrees[2] > 90.0 {
                 degrees[2] = 180.0 - degrees[2];
             }
         }

@@ -81,7 +81,7 @@ impl Corners {
 impl Grid {
     /// Axes and channels from the slowest in `values` to the fastest, the channel being 4. Lengths must fit, and were
     /// checked by the reader.
-    pub(super) fn new(
+    pub(crate) fn new(
         parameters: Parameters,
         axes: [Axis; 4],
         fold: Fold,

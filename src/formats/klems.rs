@@ -105,7 +105,7 @@ pub struct KlemsMatrix {
 
 impl KlemsMatrix {
     /// Lengths fit and were checked by the reader.
-    pub(super) fn new(incident: KlemsBasis, exiting: KlemsBasis, values: Vec<f64>) -> Self {
+    pub(crate) fn new(incident: KlemsBasis, exiting: KlemsBasis, values: Vec<f64>) -> Self {
         debug_assert_eq!(values.len() % (incident.count() * exiting.count()), 0);
         Self {
             incident,

@@ -12,7 +12,7 @@ pub struct SpecularTable {
 }
 
 impl SpecularTable {
-    pub(super) fn new(incidence: Axis, azimuth: Axis, channels: usize, values: Vec<f64>) -> Self {
+    pub(crate) fn new(incidence: Axis, azimuth: Axis, channels: usize, values: Vec<f64>) -> Self {
         debug_assert_eq!(
             values.len(),
             incidence.nodes_rad().len() * azimuth.nodes_rad().len() * channels

@@ -69,6 +69,10 @@ pub enum RunError {
     )]
     StateTooFar { path: PathBuf, found: usize, most: usize },
     #[error(
+        "a full measurement of {found} values is more than {most}; take larger --theta-step and --phi-step, or fewer wavelengths"
+    )]
+    TooManyValues { found: usize, most: usize },
+    #[error(
         "the ratios of Table 1 are of normal incidence and view: expected both in `[rig]`, found none; add incidence 0 and \
          view 0, or ask for the precision of `curves`"
     )]
@@ -85,6 +89,7 @@ pub struct Plan {
     pub bssrdf_effort: Effort,
     pub factor_grid: RadianceFactorGrid,
     pub direct_effort: Effort,
+    pub cloth_spec: ClothSpec,
     pub cloth: Cloth,
     pub specular: Specular,
     pub rig: Rig,
@@ -110,6 +115,7 @@ impl Plan {
         sample.check_convention(&convention)?;
         inputs.extend(colour_files(&convention));
         let weave = weave(&study, &mut inputs)?;
+        let cloth_spec = cloth_spec(&study, weave);
         let trace = &study.trace;
         let effort = |paths| Effort::new(study.seed, trace.batches as usize, paths);
         let specular = &study.specular;
@@ -121,7 +127,8 @@ impl Plan {
             bssrdf_effort: effort(trace.paths_bssrdf)?,
             factor_grid: factor_grid(trace)?,
             direct_effort: effort(trace.paths_direct)?,
-            cloth: Cloth::new(&cloth_spec(&study, weave))?,
+            cloth: Cloth::new(&cloth_spec)?,
+            cloth_spec,
             specular: Specular::new(
                 match specular.distribution {
                     DistributionChoice::Beckmann => Distribution::Beckmann,

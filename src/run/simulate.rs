@@ -1,10 +1,11 @@
+use super::light::{LightBetween, LitViews, lit_views};
 use super::{
-    CameraBatch, Gather, Outcome, Plan, Precision, RunError, Schedule, SpectralCurves, StateFile, StopRule, Watch,
-    gather,
+    CameraBatch, Gather, Outcome, Plan, Precision, RunError, Schedule, SpectralCurves, StateFile, StopRule,
+    VolumetricCloth, Watch, gather,
 };
 use crate::compare::Geometry;
 use crate::report::{AskedEffort, EffortNote, EnergyRow, PathsPerBatch, ReachedPrecision};
-use crate::study::ShadeWith;
+use crate::study::{MethodChoice, ShadeWith, SurfaceChoice};
 use crate::transport::{Ledger, LedgerEntry};
 use crate::yarn::{DirectTracer, EnergyTracer, IncidentGrid, PatchTracer};
 
@@ -22,7 +23,15 @@ pub struct Simulator<'a> {
     plan: &'a Plan,
     geometries: Vec<Geometry>,
     energy: EnergyTracer<'a>,
-    shading: Shading<'a>,
+    light: Light<'a>,
+    lit: Vec<LitViews>,
+}
+
+/// How the light of a batch is simulated.
+enum Light<'a> {
+    /// f* in the sun, and, where it is asked for, what goes on from yarn to yarn.
+    RadianceFactor(Shading<'a>, Option<LightBetween<'a>>),
+    Volumetric(VolumetricCloth<'a>),
 }
 
 /// The road to the f* that the study shades with.
@@ -36,11 +45,8 @@ impl<'a> Simulator<'a> {
     pub const ROUND: usize = 4;
 
     pub fn new(plan: &'a Plan, geometries: Vec<Geometry>) -> Result<Self, RunError> {
-        Ok(Self {
-            plan,
-            geometries,
-            energy: EnergyTracer::new(&plan.yarn, plan.incident, plan.bssrdf_effort, None)?,
-            shading: match plan.study.trace.shade_with {
+        let shading = || -> Result<Shading<'a>, RunError> {
+            Ok(match plan.study.trace.shade_with {
                 ShadeWith::Direct => Shading::Direct(DirectTracer::new(
                     &plan.yarn,
                     plan.factor_grid,
@@ -53,7 +59,28 @@ impl<'a> Simulator<'a> {
                     plan.factor_grid,
                     plan.bssrdf_effort,
                 )?),
-            },
+            })
+        };
+        let batches = u64::from(plan.study.trace.batches);
+        let of_batch = |particles: u64| particles.div_ceil(batches) as usize;
+        let most = plan.study.cloth.bounces.most();
+        let goes_on = most > 0 || plan.study.specular.surface == SurfaceChoice::Yarn;
+        let light = match plan.study.cloth.method {
+            MethodChoice::RadianceFactor => {
+                let between = LightBetween::new(plan, most, of_batch(plan.study.trace.particles));
+                Light::RadianceFactor(shading()?, goes_on.then_some(between).transpose()?)
+            }
+            MethodChoice::Volumetric => {
+                let particles = of_batch(plan.study.trace.particles_volumetric);
+                Light::Volumetric(VolumetricCloth::new(plan, particles)?)
+            }
+        };
+        Ok(Self {
+            lit: lit_views(plan, &geometries),
+            light,
+            plan,
+            geometries,
+            energy: EnergyTracer::new(&plan.yarn, plan.incident, plan.bssrdf_effort, None)?,
         })
     }
 
@@ -67,14 +94,32 @@ impl<'a> Simulator<'a> {
     }
 
     /// Batch number `batch`, the same whenever and wherever it is made.
-    pub fn batch(&self, batch: usize) -> Batch {
+    ///
+    /// # Errors
+    /// None for a study that a plan was made of.
+    pub fn batch(&self, batch: usize) -> Result<Batch, RunError> {
         let ledgers = self.energy.batch(batch).ledgers;
-        let table = match &self.shading {
-            Shading::Direct(tracer) => tracer.batch(batch).radiance_factor,
-            Shading::Bssrdf(tracer) => tracer.batch(batch).radiance_factor,
-        };
-        let diffuse = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&table);
-        Batch { ledgers, diffuse }
+        let mut diffuse = vec![vec![0.0; self.plan.grid.len()]; self.geometries.len()];
+        match &self.light {
+            Light::RadianceFactor(shading, between) => {
+                let table = match shading {
+                    Shading::Direct(tracer) => tracer.batch(batch).radiance_factor,
+                    Shading::Bssrdf(tracer) => tracer.batch(batch).radiance_factor,
+                };
+                diffuse = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&table);
+                if let Some(between) = between {
+                    for (place, beta) in between.brightness(&table, &self.lit, batch)? {
+                        diffuse[place].iter_mut().zip(beta).for_each(|(sum, beta)| *sum += beta);
+                    }
+                }
+            }
+            Light::Volumetric(cloth) => {
+                for (place, beta) in cloth.brightness(&self.lit, batch) {
+                    diffuse[place] = beta;
+                }
+            }
+        }
+        Ok(Batch { ledgers, diffuse })
     }
 }
 
@@ -106,7 +151,7 @@ impl Gather for Simulating<'_> {
     }
 
     fn make(&self, batch: usize) -> Result<Batch, RunError> {
-        Ok(self.simulator.batch(batch))
+        self.simulator.batch(batch)
     }
 
     fn accept(&mut self, batch: Batch) {

@@ -17,8 +17,9 @@ use crate::spectrum::Samples;
 pub use error::{Place, StudyError};
 pub use sections::{
     Bounces, CentreLineChoice, CheckSection, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
-    InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection, ShadeWith, SpectrumSection,
-    SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeaveChoice, WeaveSection, YarnSection,
+    InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection, ShadeWith,
+    SpectrumSection, SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeaveChoice, WeaveSection,
+    YarnSection,
 };
 
 /// A study. The default is the built-in one.

@@ -96,7 +96,11 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         let worth = if survives { 1.0 / survival } else { 0.0 };
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
             // As it will be read back.
-            let goes_on = if survives { f64::from((worth * weight) as f32) } else { 0.0 };
+            let goes_on = if survives {
+                f64::from((worth * weight) as f32)
+            } else {
+                0.0
+            };
             sums[GAMES] += weight - goes_on;
         }
         if survives {
@@ -123,8 +127,11 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             return;
         }
         let caught = &mut self.caught;
-        self.detector.find(direction, |bin| {
-            caught[bin].iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
+        self.detector.find(direction, |bin, share| {
+            caught[bin]
+                .iter_mut()
+                .zip(weights)
+                .for_each(|(sum, weight)| *sum += share * weight);
         });
     }
 

@@ -65,12 +65,15 @@ impl Bounces<'_> {
             })
             .collect();
         self.trace(beam, &Nothing, false, &mut views, batch, particles);
-        let caught = self.trace(beam, cones, false, &mut [], batch, straight * particles).caught;
+        let caught = self
+            .trace(beam, cones, false, &mut [], batch, straight * particles)
+            .caught;
         let of_view = |(k, (seen, caught)): (usize, (Seen, Vec<f64>))| {
             let per_flux = PI / (seen.towards.z.abs() * particles as f64);
             let per_caught = PI / cones.projected_solid_angle(k);
             let both = seen.flux.iter().zip(caught);
-            both.map(|(flux, caught)| flux * per_flux + caught * per_caught).collect()
+            both.map(|(flux, caught)| flux * per_flux + caught * per_caught)
+                .collect()
         };
         views.into_iter().zip(caught).enumerate().map(of_view).collect()
     }
@@ -152,7 +155,11 @@ impl Bounces<'_> {
             if !length_mm.is_finite() {
                 return;
             }
-            let extinction = medium.mu_s_per_mm().iter().zip(medium.mu_a_per_mm()).map(|(s, a)| s + a);
+            let extinction = medium
+                .mu_s_per_mm()
+                .iter()
+                .zip(medium.mu_a_per_mm())
+                .map(|(s, a)| s + a);
             let mut most = 0.0f64;
             for (straight, extinction) in parts.straight.iter_mut().zip(extinction) {
                 *straight *= (-extinction * length_mm).exp();
@@ -238,7 +245,12 @@ impl Bounces<'_> {
         air.keep(rows.map(|((out, inside), albedo)| [inside * (1.0 - albedo), inside * albedo - out]));
         let outward = hit.frame.to_world(&leaving.normal);
         let position = self.tubes.beside(hit.yarn.system, hit.position.into(), outward.into());
-        air.launch(position.into(), hit.frame.to_world(&leaving.direction), &parts.out, true);
+        air.launch(
+            position.into(),
+            hit.frame.to_world(&leaving.direction),
+            &parts.out,
+            true,
+        );
     }
 }
 
@@ -267,7 +279,7 @@ impl Detector for Nothing {
         0
     }
 
-    fn find(&self, _: &Vec3, _: impl FnMut(usize)) {}
+    fn find(&self, _: &Vec3, _: impl FnMut(usize, f64)) {}
 }
 
 /// Unit direction behind an interface whose `normal` points back to where the light comes from; `ratio` = n_i/n_t.

@@ -11,7 +11,7 @@ mod ledger;
 mod volumetric;
 
 pub use bounces::Bounces;
-pub use detector::{Detector, ViewCones};
+pub use detector::{Detector, HemisphereNodes, ViewCones};
 pub use ledger::ClothLedger;
 pub use volumetric::{Inside, Volumetric};
 

@@ -108,7 +108,8 @@ impl Volumetric<'_> {
                         *mirrored = reflectance * f64::from(*weight);
                     }
                     let direction = normal * (2.0 * cos_in) - omega_in;
-                    air.borrow_mut().launch(arrival.hit.position, direction, &mirrored, false);
+                    air.borrow_mut()
+                        .launch(arrival.hit.position, direction, &mirrored, false);
                 }
                 Entry {
                     position: arrival.hit.position,

@@ -63,10 +63,11 @@ pub struct Yarn {
     pub estimator: Estimator,
 }
 
-/// Wavelengths from `first` on that share paths.
-struct Sharing<'a> {
-    first: usize,
-    interior: Interior<'a>,
+/// Wavelengths from number `first` of the medium's grid on that share paths.
+#[derive(Debug)]
+pub struct Sharing<'a> {
+    pub first: usize,
+    pub interior: Interior<'a>,
 }
 
 impl Yarn {
@@ -81,7 +82,7 @@ impl Yarn {
     }
 
     /// The medium's wavelengths in order, those that share paths together.
-    fn sharing(&self) -> Result<Vec<Sharing<'_>>, YarnError> {
+    pub fn sharing(&self) -> Result<Vec<Sharing<'_>>, YarnError> {
         let coefficients: Vec<Coefficients<'_>> = (0..self.wavelengths())
             .map(|w| Coefficients {
                 mu_s: self.medium.mu_s_per_mm()[w],

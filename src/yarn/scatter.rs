@@ -139,7 +139,11 @@ impl YarnScatter {
         let (sin_phi, cos_phi) = phi.sin_cos();
         Some(Leaving {
             normal: Vec3::new(sin_phi, 0.0, cos_phi),
-            direction: Vec3::new(tangent * cos_phi + cos * sin_phi, axis, cos * cos_phi - tangent * sin_phi),
+            direction: Vec3::new(
+                tangent * cos_phi + cos * sin_phi,
+                axis,
+                cos * cos_phi - tangent * sin_phi,
+            ),
             cell: tilt * of_tilt + within,
             probability,
         })

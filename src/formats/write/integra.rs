@@ -169,6 +169,9 @@ pub(super) fn diffuse(
         colour_model(&component.channels)
     );
     // Writing to a string cannot fail.
+    for comment in &provenance.comments {
+        let _ = writeln!(text, ";; {}", comment.replace(['\n', '\r'], " "));
+    }
     if grid.psi_deg.len() > 1 {
         let _ = writeln!(text, "psi {}\n {}", grid.psi_deg.len(), line(&grid.psi_deg));
     }

@@ -11,6 +11,10 @@ use super::integra::{SpecularGrid, line};
 /// Text blocks, one a component of the front, values with all their digits.
 pub(super) fn write(data: &Goniometric, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
     let mut text = format!("VERSION 0.3\nSOFTWARE specval-{}\n", env!("CARGO_PKG_VERSION"));
+    for comment in &data.provenance.comments {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "# {}", comment.replace(['\n', '\r'], " "));
+    }
     let source = data
         .provenance
         .source
@@ -30,7 +34,6 @@ pub(super) fn write(data: &Goniometric, notices: &mut Vec<String>) -> Result<Vec
             continue;
         }
         kinds.push(kind);
-        // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "\nDATA_TYPE {kind}\nCOLOR_MODEL {}",

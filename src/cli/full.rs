@@ -1,0 +1,328 @@
+use super::convert::{ConvertError, by_extension, format_of};
+use super::{Failure, Options, Terminal};
+use serde::Serialize;
+use specval::artefact::Identity;
+use specval::formats::{self, Format, Goniometric, KlemsBasis, Provenance, Scatter, Side, WriteError};
+use specval::report::{InputDigest, check_writable, write_whole};
+use specval::run::{Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Plan, VolumetricCloth, symmetries};
+use specval::study::Study;
+use specval::woven::HemisphereNodes;
+use std::path::{Path, PathBuf};
+
+/// Particles of one incidence.
+const PATHS: u64 = 200_000;
+
+/// How light between the yarns is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Method {
+    /// Traced through the medium of every yarn.
+    Volumetric,
+}
+
+impl Method {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Volumetric => "volumetric, with the reflection of the yarns' surface",
+        }
+    }
+}
+
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Full BSDF")]
+pub struct Arguments {
+    /// Measure reflection and transmission over both hemispheres, for lighting simulation. --out is then a file of any
+    /// format that can be written, and beside it is FILE.hemispherical.csv. --paths are particles of each incidence.
+    #[arg(long, conflicts_with_all = ["until", "max_time", "resume"])]
+    pub full: bool,
+    /// How light between the yarns is computed.
+    #[arg(long, value_enum, default_value = "volumetric", requires = "full")]
+    method: Method,
+    /// Format to write; without it the extension of --out says.
+    #[arg(long, value_name = "FORMAT", value_parser = format_of, requires = "full")]
+    to: Option<Format>,
+    /// What to write in a format that holds one of the two.
+    #[arg(long, value_name = "KIND", value_parser = scatter_of, requires = "full")]
+    scatter: Option<Scatter>,
+    /// Linear sRGB under D65 in place of spectra.
+    #[arg(long, requires = "full")]
+    rgb: bool,
+    /// Polar step of incident and outgoing directions, degrees; a right angle has 2 to 90 of them.
+    #[arg(long, value_name = "DEG", value_parser = step, default_value = "10", requires = "full")]
+    theta_step: Step,
+    /// Step of azimuths, degrees; a right angle has 1 to 90 of them.
+    #[arg(long, value_name = "DEG", value_parser = step, default_value = "15", requires = "full")]
+    phi_step: Step,
+    /// Trace every incidence, also those that the weave's symmetry gives.
+    #[arg(long, requires = "full")]
+    no_fold: bool,
+    /// CSV file for the standard errors of the spectra, in the layout of the values.
+    #[arg(long, value_name = "FILE", requires = "full")]
+    errors: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long, requires = "full")]
+    force: bool,
+}
+
+/// A right angle in so many steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Step(usize);
+
+fn step(text: &str) -> Result<Step, String> {
+    let expected = || "expected a step in degrees that divides 90, from 1 to 90".to_owned();
+    let degrees: f64 = text.parse().map_err(|_| expected())?;
+    let steps = 90.0 / degrees;
+    if !(1.0..=90.0).contains(&steps) || (steps - steps.round()).abs() > 1e-9 {
+        return Err(expected());
+    }
+    Ok(Step(steps.round() as usize))
+}
+
+fn scatter_of(text: &str) -> Result<Scatter, String> {
+    match text {
+        "reflection" => Ok(Scatter::Reflection),
+        "transmission" => Ok(Scatter::Transmission),
+        _ => Err("expected reflection or transmission".into()),
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+enum FullError {
+    #[error("--theta-step: expected at most 45 degrees, found 90")]
+    ThetaStep,
+    #[error("{format} holds {holds}; leave {option} out, or take another format")]
+    Option {
+        format: Format,
+        holds: &'static str,
+        option: &'static str,
+    },
+}
+
+#[derive(Serialize)]
+struct Measured {
+    output: PathBuf,
+    hemispherical_csv: PathBuf,
+    format: &'static str,
+    bytes: usize,
+    incidences: usize,
+    incidences_traced: usize,
+    particles_per_incidence: usize,
+    median_relative_error: Option<f64>,
+    hemispherical: Vec<HemisphericalRow>,
+    notices: Vec<String>,
+}
+
+/// All that decides about the numbers.
+#[derive(Serialize)]
+struct Settings<'a> {
+    study: &'a Study,
+    inputs: &'a [InputDigest],
+}
+
+pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
+    let (format, scatter) = full.format(out)?;
+    let hemispherical = beside(out, ".hemispherical.csv");
+    for path in [Some(out), Some(&hemispherical), full.errors.as_deref()]
+        .into_iter()
+        .flatten()
+    {
+        if !full.force && path.symlink_metadata().is_ok() {
+            return Err(ConvertError::Exists { path: path.to_owned() }.into());
+        }
+        check_writable(path)?;
+    }
+    let batches = plan.direct_effort.batches;
+    let particles = options.paths.map_or(PATHS, u64::from).div_ceil(batches as u64) as usize;
+    let mut group = symmetries(&plan.cloth_spec, true, true);
+    if full.no_fold {
+        group.truncate(1);
+    }
+    let klems = format == Format::RadianceXml;
+    let measurement = FullMeasurement::new(full.cells(format)?, group, klems, batches, &plan.grid)?;
+    let tracing = terminal.progress("tracing the cloth");
+    let bsdf = match full.method {
+        Method::Volumetric => {
+            let cloth = VolumetricCloth::new(plan, particles)?;
+            let light = |beam: &_, cells: &Cells, batch| cloth.batch(beam, cells, batch);
+            measurement.measure(light, &|share| tracing.advance(share))
+        }
+    };
+    tracing.finish();
+    let incidences = bsdf.cells().incident() * bsdf.sides().len();
+    let effort = Effort {
+        incidences,
+        batches,
+        particles,
+    };
+    let provenance = full.provenance(plan, &bsdf, &effort)?;
+    let colours = match (klems, full.rgb) {
+        (true, _) => Colours::Xyz,
+        (_, true) => Colours::Rgb,
+        _ => Colours::Spectral,
+    };
+    let mut data = Goniometric {
+        format,
+        provenance,
+        components: bsdf.components(colours)?,
+        warnings: Vec::new(),
+    };
+    let written = formats::write(&data, format, scatter)?;
+    let mut notices = written.notices;
+    if !matches!(format, Format::Sdr | Format::Ssdd) {
+        notices.push(format!(
+            "light straight through the gaps is not in the file; its fraction is in {}",
+            hemispherical.display()
+        ));
+    }
+    let errors = match &full.errors {
+        Some(path) => {
+            data.components = bsdf.errors();
+            Some((path, formats::write(&data, Format::Csv, scatter)?.bytes))
+        }
+        None => None,
+    };
+    let rows = bsdf.hemispherical();
+    write_whole(&hemispherical, &csv_of(&rows, &data.provenance.comments)?)?;
+    if let Some((path, bytes)) = errors {
+        write_whole(path, &bytes)?;
+    }
+    write_whole(out, &written.bytes)?;
+    for notice in &notices {
+        terminal.notice(notice);
+    }
+    let measured = Measured {
+        output: out.to_owned(),
+        hemispherical_csv: hemispherical,
+        format: format.name(),
+        bytes: written.bytes.len(),
+        incidences,
+        incidences_traced: bsdf.incidences().len(),
+        particles_per_incidence: particles * batches,
+        median_relative_error: bsdf.median_relative_error(),
+        hemispherical: rows,
+        notices,
+    };
+    terminal.result(&measured, |m| {
+        format!(
+            "{} bytes of {} written to {}\n{} of {} incidences traced, {} particles each; median standard error of f {}\n",
+            m.bytes,
+            m.format,
+            m.output.display(),
+            m.incidences_traced,
+            m.incidences,
+            m.particles_per_incidence,
+            percent(m.median_relative_error)
+        )
+    })
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or("unknown".into(), |share| format!("{:.2} %", 100.0 * share))
+}
+
+fn beside(out: &Path, ending: &str) -> PathBuf {
+    let mut name = out.as_os_str().to_owned();
+    name.push(ending);
+    name.into()
+}
+
+fn csv_of(rows: &[HemisphericalRow], comments: &[String]) -> Result<Vec<u8>, Failure> {
+    let text: String = comments.iter().map(|comment| format!("# {comment}\n")).collect();
+    let mut csv = csv::Writer::from_writer(text.into_bytes());
+    for row in rows {
+        csv.serialize(row)?;
+    }
+    Ok(csv.into_inner()?)
+}
+
+struct Effort {
+    incidences: usize,
+    batches: usize,
+    particles: usize,
+}
+
+impl Arguments {
+    /// What to write; refuses what would fail after the tracing.
+    fn format(&self, out: &Path) -> Result<(Format, Option<Scatter>), Failure> {
+        let (by_name, scatter) = by_extension(out);
+        let format = self
+            .to
+            .or(by_name)
+            .ok_or_else(|| ConvertError::Extension { path: out.to_owned() })?;
+        let scatter = self.scatter.or(scatter);
+        let refuse = |holds, option| Err(FullError::Option { format, holds, option }.into());
+        match format {
+            Format::Zemax | Format::LightTools | Format::Utia | Format::Wif => {
+                Err(WriteError::NotWritten { format }.into())
+            }
+            Format::Rgl | Format::Merl if scatter == Some(Scatter::Transmission) => {
+                refuse("reflection alone", "--scatter")
+            }
+            Format::Sdr if scatter == Some(Scatter::Reflection) => {
+                refuse("what goes straight through the gaps, a transmission", "--scatter")
+            }
+            Format::RadianceXml | Format::Ssdd if self.scatter.is_some() => {
+                refuse("reflection and transmission", "--scatter")
+            }
+            Format::RadianceXml if self.rgb => refuse("X, Y, Z", "--rgb"),
+            _ => Ok((format, scatter)),
+        }
+    }
+
+    fn cells(&self, format: Format) -> Result<Cells, Failure> {
+        if format == Format::RadianceXml
+            && let Some(basis) = KlemsBasis::named("LBNL/Klems Full")
+        {
+            return Ok(Cells::Patches(basis));
+        }
+        let nodes = HemisphereNodes::new(self.theta_step.0, 4 * self.phi_step.0).ok_or(FullError::ThetaStep)?;
+        Ok(Cells::Nodes(nodes))
+    }
+
+    fn provenance(&self, plan: &Plan, bsdf: &FullBsdf, effort: &Effort) -> Result<Provenance, Failure> {
+        let identity = Identity::new(
+            plan.study.seed,
+            &Settings {
+                study: &plan.study,
+                inputs: &plan.inputs,
+            },
+        )?;
+        let digest = InputDigest::of("study", identity.value().to_string().as_bytes()).sha256;
+        let software = format!("specval {}", env!("CARGO_PKG_VERSION"));
+        let sides = if bsdf.sides().contains(&Side::Back) {
+            "both sides"
+        } else {
+            "the front"
+        };
+        let comments = [
+            format!("{software}, simulated woven cloth, {}", self.method.words()),
+            format!("study SHA-256 {digest}, seed {}", plan.study.seed),
+            format!(
+                "{} incidences from {sides}, {} of them traced, the rest by the symmetry of the weave; {} batches of {} \
+                 particles each; median standard error of f {}",
+                effort.incidences,
+                bsdf.incidences().len(),
+                effort.batches,
+                effort.particles,
+                percent(bsdf.median_relative_error())
+            ),
+            "azimuths from the warp towards the weft, seen from the front; light straight through the gaps is no part of f"
+                .to_owned(),
+        ];
+        let statement = |name: &str, value: String| (name.to_owned(), value);
+        Ok(Provenance {
+            source: Some("Generated".into()),
+            statements: vec![
+                statement("name", format!("{software} cloth {}", &digest[..12.min(digest.len())])),
+                statement("description", comments.join("; ")),
+                statement("SOFTWARE", software.clone()),
+                statement("SOURCE", "Generated".into()),
+                statement("METHOD", self.method.words().into()),
+                statement("STUDY_SHA256", digest.clone()),
+                statement("SEED", plan.study.seed.to_string()),
+                statement("BATCHES", effort.batches.to_string()),
+                statement("PARTICLES", (effort.batches * effort.particles).to_string()),
+            ],
+            comments: comments.to_vec(),
+        })
+    }
+}

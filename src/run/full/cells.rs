@@ -1,0 +1,107 @@
+use super::Symmetry;
+use crate::formats::KlemsBasis;
+use crate::geometry::Vec3;
+use crate::woven::{Detector, HemisphereNodes};
+
+/// The incident and outgoing directions of a full measurement, on either side of the cloth alike. A cell below the cloth is
+/// the one above it with z reversed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cells {
+    /// Beams from the nodes but those of the horizon; outgoing light is shared out among the nodes around it.
+    Nodes(HemisphereNodes),
+    /// Means over pairs of patches. Light of incident patch k comes from the patch opposite in azimuth to k, as in
+    /// [`crate::formats::KlemsMatrix`].
+    Patches(KlemsBasis),
+}
+
+impl Cells {
+    /// Cells of a hemisphere.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Nodes(nodes) => nodes.count(),
+            Self::Patches(basis) => basis.count(),
+        }
+    }
+
+    /// Cells that light comes from: this many, from the first on.
+    pub fn incident(&self) -> usize {
+        match self {
+            Self::Nodes(nodes) => nodes.node(nodes.rings(), 0),
+            Self::Patches(basis) => basis.count(),
+        }
+    }
+
+    /// ∫ cosθ dω, sr, that turns a caught fraction of a beam into f.
+    pub fn projected_solid_angle(&self, cell: usize) -> f64 {
+        match self {
+            Self::Nodes(nodes) => nodes.projected_solid_angle(cell),
+            Self::Patches(basis) => basis.projected_solid_angle(cell),
+        }
+    }
+
+    /// Upward unit vector along a node or through the middle of a patch.
+    pub fn centre(&self, cell: usize) -> Vec3 {
+        match self {
+            Self::Nodes(nodes) => {
+                let [theta, phi] = nodes.angles_rad(cell);
+                crate::formats::direction(theta, phi)
+            }
+            Self::Patches(basis) if cell == 0 => basis.direction(0, 0.0, 0.5),
+            Self::Patches(basis) => basis.direction(cell, 0.5, 0.5),
+        }
+    }
+
+    /// Upward unit vector towards the light of a batch. Patches are covered evenly in projected solid angle by the batches,
+    /// whose spread then also holds that of the directions.
+    pub(super) fn towards_light(&self, cell: usize, batch: usize, batches: usize) -> Vec3 {
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+        match self {
+            Self::Nodes(_) => self.centre(cell),
+            Self::Patches(basis) => {
+                let outwards = (batch as f64 + 0.5) / batches as f64;
+                let around = (GOLDEN * (batch as f64 + 0.5)).fract();
+                opposite(&basis.direction(cell, outwards, around))
+            }
+        }
+    }
+
+    /// As [`Self::centre`], towards the light of an incident cell.
+    pub fn incident_centre(&self, cell: usize) -> Vec3 {
+        match self {
+            Self::Nodes(_) => self.centre(cell),
+            Self::Patches(_) => opposite(&self.centre(cell)),
+        }
+    }
+
+    /// The cell a symmetry takes a cell to, of outgoing and, as the symmetries and the opposite commute, of incident
+    /// directions.
+    pub(super) fn image(&self, cell: usize, symmetry: &Symmetry) -> usize {
+        let mut d = symmetry.apply(&self.centre(cell));
+        d.z = d.z.abs();
+        match self {
+            Self::Nodes(nodes) => nodes.nearest(&d),
+            Self::Patches(basis) => basis.patch(&d),
+        }
+    }
+}
+
+fn opposite(d: &Vec3) -> Vec3 {
+    Vec3::new(-d.x, -d.y, d.z)
+}
+
+/// Bins: the cells above the cloth, then those below.
+impl Detector for Cells {
+    fn bins(&self) -> usize {
+        2 * self.count()
+    }
+
+    fn find(&self, direction: &Vec3, mut found: impl FnMut(usize, f64)) {
+        let up = direction.z > 0.0;
+        let first = if up { 0 } else { self.count() };
+        let upward = Vec3::new(direction.x, direction.y, direction.z.abs());
+        match self {
+            Self::Nodes(nodes) => nodes.share(&upward, |node, share| found(first + node, share)),
+            Self::Patches(basis) => found(first + basis.patch(&upward), 1.0),
+        }
+    }
+}

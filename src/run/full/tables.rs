@@ -1,0 +1,165 @@
+use super::{Cells, FullBsdf};
+use crate::colour::{ColourError, ColourSystem, Convention};
+use crate::formats::{
+    Axis, Channels, Component, Fold, Grid, KlemsMatrix, Parameters, Quantity, Scatter, Side, SpecularTable, Table,
+};
+use crate::transport::Estimate;
+use crate::woven::HemisphereNodes;
+use std::f64::consts::TAU;
+
+/// What stands for a spectrum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Colours {
+    Spectral,
+    /// Linear sRGB under D65, CIE 1931 2° observer, not clipped but at 0.
+    Rgb,
+    /// Under D65, the perfect diffuser having Y = 1.
+    Xyz,
+}
+
+/// Values of one geometry, from the estimates at each wavelength.
+type Values<'a> = dyn Fn(&[Estimate]) -> Vec<f64> + 'a;
+
+impl FullBsdf {
+    /// Reflection and transmission from every side that was measured, and, where cells are nodes, the fraction that goes
+    /// straight through the gaps. Numbers are rounded to six digits.
+    pub fn components(&self, colours: Colours) -> Result<Vec<Component>, ColourError> {
+        let system = ColourSystem::new(&self.grid, Convention::default())?;
+        let values = |spectrum: &[Estimate]| {
+            let values: Vec<f64> = spectrum.iter().map(|f| f.value).collect();
+            let values = match colours {
+                Colours::Spectral => values,
+                Colours::Rgb => system.linear_rgb(system.xyz(&values)).0.to_vec(),
+                Colours::Xyz => {
+                    let xyz = system.xyz(&values);
+                    vec![xyz.x, xyz.y, xyz.z]
+                }
+            };
+            values.into_iter().map(|value| rounded(value.max(0.0))).collect()
+        };
+        let channels = match colours {
+            Colours::Spectral => Channels::Wavelengths(self.grid.clone()),
+            Colours::Rgb => Channels::Rgb,
+            Colours::Xyz => Channels::Xyz,
+        };
+        Ok(self.tables(&channels, &values, true))
+    }
+
+    /// Standard errors of f, spectral, in tables like those of the values.
+    pub fn errors(&self) -> Vec<Component> {
+        let values = |spectrum: &[Estimate]| spectrum.iter().map(|f| rounded(f.se)).collect();
+        self.tables(&Channels::Wavelengths(self.grid.clone()), &values, false)
+    }
+
+    fn tables(&self, channels: &Channels, values: &Values, with_gaps: bool) -> Vec<Component> {
+        let mut components = Vec::new();
+        for &side in &self.sides {
+            for scatter in [Scatter::Reflection, Scatter::Transmission] {
+                components.push(Component {
+                    scatter,
+                    side,
+                    quantity: Quantity::Bsdf,
+                    channels: channels.clone(),
+                    table: match &self.cells {
+                        Cells::Nodes(nodes) => {
+                            Table::Grid(self.grid_of(nodes, side, scatter, channels.count(), values))
+                        }
+                        Cells::Patches(basis) => {
+                            let matrix = self.matrix_of(side, scatter, channels.count(), values);
+                            Table::Klems(KlemsMatrix::new(basis.clone(), basis.clone(), matrix))
+                        }
+                    },
+                });
+            }
+            if let (Cells::Nodes(nodes), true) = (&self.cells, with_gaps) {
+                components.push(Component {
+                    scatter: Scatter::Transmission,
+                    side,
+                    quantity: Quantity::Fraction,
+                    channels: channels.clone(),
+                    table: Table::Specular(self.gaps_of(nodes, side, channels.count(), values)),
+                });
+            }
+        }
+        components
+    }
+
+    /// Spherical nodes; those at the normal are there once for each azimuth.
+    fn grid_of(&self, nodes: &HemisphereNodes, side: Side, scatter: Scatter, channels: usize, values: &Values) -> Grid {
+        let (rings, azimuths) = (nodes.rings(), nodes.azimuths());
+        let mut table = Vec::with_capacity(rings * azimuths * (rings + 1) * azimuths * channels);
+        for ring_in in 0..rings {
+            for azimuth_in in 0..azimuths {
+                let incident = nodes.node(ring_in, azimuth_in);
+                for ring_out in 0..=rings {
+                    for azimuth_out in 0..azimuths {
+                        let exiting = nodes.node(ring_out, azimuth_out);
+                        table.extend(values(&self.bsdf(side, incident, scatter, exiting)));
+                    }
+                }
+            }
+        }
+        let (polar, around) = axes_rad(nodes);
+        let axes = [
+            Axis::bounded(polar[..rings].to_vec()),
+            Axis::azimuth(around.clone(), TAU),
+            Axis::bounded(polar),
+            Axis::azimuth(around, TAU),
+        ];
+        Grid::new(
+            Parameters::Spherical,
+            axes,
+            Fold::None,
+            channels,
+            [0, 1, 2, 3, 4],
+            table,
+        )
+    }
+
+    /// Channel slowest, then exiting patch, then incident patch.
+    fn matrix_of(&self, side: Side, scatter: Scatter, channels: usize, values: &Values) -> Vec<f64> {
+        let count = self.cells.count();
+        let mut matrix = vec![0.0; channels * count * count];
+        for incident in 0..count {
+            for exiting in 0..count {
+                let found = values(&self.bsdf(side, incident, scatter, exiting));
+                for (channel, value) in found.into_iter().enumerate() {
+                    matrix[(channel * count + exiting) * count + incident] = value;
+                }
+            }
+        }
+        matrix
+    }
+
+    fn gaps_of(&self, nodes: &HemisphereNodes, side: Side, channels: usize, values: &Values) -> SpecularTable {
+        let (polar, around) = axes_rad(nodes);
+        let mut table = Vec::new();
+        for azimuth in 0..nodes.azimuths() {
+            for ring in 0..nodes.rings() {
+                if let Some((incidence, _)) = self.traced_for(side, nodes.node(ring, azimuth)) {
+                    let gaps: Vec<Estimate> = (0..self.grid.len()).map(|w| incidence.fractions(w)[2]).collect();
+                    table.extend(values(&gaps));
+                }
+            }
+        }
+        SpecularTable::new(
+            Axis::bounded(polar[..nodes.rings()].to_vec()),
+            Axis::azimuth(around, TAU),
+            channels,
+            table,
+        )
+    }
+}
+
+/// Polar angles, horizon included, and azimuths.
+fn axes_rad(nodes: &HemisphereNodes) -> (Vec<f64>, Vec<f64>) {
+    let polar = (0..=nodes.rings()).map(|ring| nodes.angles_rad(nodes.node(ring, 0))[0]);
+    let around = (0..nodes.azimuths()).map(|azimuth| nodes.angles_rad(nodes.node(1, azimuth))[1]);
+    (polar.collect(), around.collect())
+}
+
+/// To six significant digits: far below any standard error, and half as long in a file.
+fn rounded(value: f64) -> f64 {
+    // What was written so can be read.
+    format!("{value:.5e}").parse().unwrap_or(value)
+}

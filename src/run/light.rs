@@ -1,0 +1,157 @@
+use super::{Plan, RunError};
+use crate::cloth::Tubes;
+use crate::compare::Geometry;
+use crate::rig::{omega_in, omega_out};
+use crate::study::SurfaceChoice;
+use crate::woven::{Beam, Bounces, ClothBatch, Detector, ViewCones, Volumetric};
+use crate::yarn::{Sharing, YarnScatter};
+use rayon::prelude::*;
+
+/// Light that comes onto the cloth at one of the rig's angles, and the views that look at it.
+pub(super) struct LitViews {
+    pub beam: Beam,
+    pub cones: ViewCones,
+    /// Of the views among the geometries.
+    pub places: Vec<usize>,
+}
+
+/// The geometries by incidence, in the order in which incidences first come up.
+pub(super) fn lit_views(plan: &Plan, geometries: &[Geometry]) -> Vec<LitViews> {
+    let azimuth_deg = plan.study.cloth.azimuth_deg;
+    let half_angle = plan.study.rig.aperture_half_angle_deg.to_radians();
+    let mut incidences: Vec<f64> = Vec::new();
+    for geometry in geometries {
+        if !incidences.contains(&geometry.theta_i_deg) {
+            incidences.push(geometry.theta_i_deg);
+        }
+    }
+    incidences
+        .into_iter()
+        .map(|theta_i_deg| {
+            let places: Vec<usize> = (0..geometries.len())
+                .filter(|&place| geometries[place].theta_i_deg == theta_i_deg)
+                .collect();
+            let views = places
+                .iter()
+                .map(|&place| omega_out(geometries[place].theta_v_deg, azimuth_deg));
+            LitViews {
+                beam: Beam {
+                    omega_in: omega_in(theta_i_deg, azimuth_deg),
+                    // Of an angle the number is the same whatever else the rig measures.
+                    number: (theta_i_deg * 1e6).round() as usize,
+                },
+                cones: ViewCones::new(views.collect(), half_angle),
+                places,
+            }
+        })
+        .collect()
+}
+
+/// The woven cloth with light traced through the medium of its yarns.
+pub struct VolumetricCloth<'a> {
+    tubes: Tubes,
+    sharing: Vec<Sharing<'a>>,
+    plan: &'a Plan,
+    particles: usize,
+}
+
+impl<'a> VolumetricCloth<'a> {
+    /// `particles` in a batch.
+    pub fn new(plan: &'a Plan, particles: usize) -> Result<Self, RunError> {
+        Ok(Self {
+            tubes: Tubes::new(&plan.cloth_spec)?,
+            sharing: plan.yarn.sharing()?,
+            plan,
+            particles,
+        })
+    }
+
+    /// One batch of a beam, of all wavelengths of the study.
+    pub fn batch<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize) -> ClothBatch {
+        let mut all = ClothBatch {
+            ledger: Vec::new(),
+            caught: vec![Vec::new(); detector.bins()],
+        };
+        for Sharing { first, interior } in &self.sharing {
+            let light = Volumetric {
+                tubes: &self.tubes,
+                interiors: [interior, interior],
+                roulette: self.plan.yarn.roulette,
+                surface_reflection: self.plan.study.specular.surface == SurfaceChoice::Yarn,
+                seed: self.plan.study.seed,
+            };
+            let part = light.batch(beam, detector, *first, batch, self.particles);
+            all.ledger.extend(part.ledger);
+            all.caught
+                .iter_mut()
+                .zip(part.caught)
+                .for_each(|(all, more)| all.extend(more));
+        }
+        all
+    }
+
+    /// β of all light at [geometry][wavelength].
+    pub(super) fn brightness(&self, lit: &[LitViews], batch: usize) -> Vec<(usize, Vec<f64>)> {
+        lit.par_iter()
+            .flat_map_iter(|LitViews { beam, cones, places }| {
+                let caught = self.batch(beam, cones, batch).caught;
+                places.iter().zip(caught).enumerate().map(|(k, (&place, mut caught))| {
+                    let factor = std::f64::consts::PI / cones.projected_solid_angle(k);
+                    caught.iter_mut().for_each(|c| *c *= factor);
+                    (place, caught)
+                })
+            })
+            .collect()
+    }
+}
+
+/// Light that goes on from yarn to yarn where they scatter by f*.
+pub(super) struct LightBetween<'a> {
+    plan: &'a Plan,
+    tubes: Tubes,
+    most: usize,
+    particles: usize,
+}
+
+/// Particles that follow what surfaces send on last, for one that follows scattered light: they cost less, and each tells
+/// less.
+const STRAIGHT: usize = 8;
+
+impl<'a> LightBetween<'a> {
+    /// `most` yarns after the first; `particles` in a batch.
+    pub fn new(plan: &'a Plan, most: usize, particles: usize) -> Result<Self, RunError> {
+        Ok(Self {
+            plan,
+            tubes: Tubes::new(&plan.cloth_spec)?,
+            most,
+            particles,
+        })
+    }
+
+    /// β at [geometry][wavelength] of light that the first yarn it met has not scattered, or not alone. `table` is f* of the
+    /// batch.
+    pub fn brightness(
+        &self,
+        table: &[f64],
+        lit: &[LitViews],
+        batch: usize,
+    ) -> Result<Vec<(usize, Vec<f64>)>, RunError> {
+        let plan = self.plan;
+        let scatter = YarnScatter::new(&plan.yarn, plan.factor_grid, table)?;
+        let light = Bounces {
+            tubes: &self.tubes,
+            yarns: [&plan.yarn; 2],
+            scatter: [&scatter; 2],
+            surface_reflection: plan.study.specular.surface == SurfaceChoice::Yarn,
+            most: self.most,
+            seed: plan.study.seed,
+        };
+        Ok(lit
+            .par_iter()
+            .flat_map_iter(|LitViews { beam, cones, places }| {
+                let seen = light.between(beam, cones, batch, self.particles, STRAIGHT);
+                places.iter().copied().zip(seen)
+            })
+            .collect())
+    }
+}
