@@ -11,6 +11,7 @@ pub enum Purpose {
     Energy = 5,
     Check = 6,
     Woven = 7,
+    Incidence = 8,
 }
 
 /// The one source of random numbers: each (seed, purpose, direction, batch, wavelength) has a stream of its own,

@@ -17,7 +17,7 @@ use super::{Plan, Progress, RunError};
 use crate::cloth::Tubes;
 use crate::formats::{Scatter, Side};
 use crate::spectrum::WavelengthGrid;
-use crate::transport::{BatchSums, Estimate};
+use crate::transport::{BatchSums, Estimate, Purpose, Stream};
 use crate::woven::{Beam, ClothBatch, Volumetric};
 use crate::yarn::Sharing;
 use rayon::prelude::*;
@@ -29,6 +29,7 @@ pub struct FullMeasurement {
     symmetries: Vec<Symmetry>,
     sides: Vec<Side>,
     batches: usize,
+    seed: u64,
     grid: WavelengthGrid,
 }
 
@@ -77,6 +78,7 @@ impl FullMeasurement {
         symmetries: Vec<Symmetry>,
         back: bool,
         batches: usize,
+        seed: u64,
         grid: &WavelengthGrid,
     ) -> Result<Self, RunError> {
         let found = cells.incident() * cells.count() * 2 * grid.len();
@@ -95,6 +97,7 @@ impl FullMeasurement {
                 vec![Side::Front]
             },
             batches,
+            seed,
             grid: grid.clone(),
         })
     }
@@ -140,11 +143,12 @@ impl FullMeasurement {
             let batches: Vec<ClothBatch> = (0..self.batches)
                 .into_par_iter()
                 .map(|batch| {
-                    let mut omega_in = self.cells.towards_light(cell, batch, self.batches);
-                    let mut number = cell;
-                    if side == Side::Back {
+                    let back = side == Side::Back;
+                    let number = cell + if back { self.cells.count() } else { 0 };
+                    let stream = Stream::open(self.seed, Purpose::Incidence, number, 0, 0);
+                    let mut omega_in = self.cells.towards_light(cell, batch, self.batches, stream);
+                    if back {
                         omega_in.z = -omega_in.z;
-                        number += self.cells.count();
                     }
                     let traced = light(&Beam { omega_in, number }, &self.cells, batch);
                     progress(step);
