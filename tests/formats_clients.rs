@@ -8,6 +8,31 @@ use std::process::Command;
 use specval::formats::{Format, Goniometric, ReadOptions, Table, direction, parse, read, write};
 use specval::geometry::Vec3;
 
+/// A file of `measure --full`, coarse.
+fn measured(folder: &Path, name: &str) -> Vec<u8> {
+    let study = folder.join("study.toml");
+    let text = "[spectrum]\nwavelengths_nm = [400, 450, 500, 550, 600, 650, 700]\n[trace]\nbatches = 2\n";
+    std::fs::write(&study, text).unwrap();
+    let program = Command::new(env!("CARGO_BIN_EXE_specval"))
+        .args([
+            "measure",
+            "study.toml",
+            "--full",
+            "--theta-step",
+            "15",
+            "--phi-step",
+            "45",
+            "--paths",
+            "4000",
+        ])
+        .args(["--out", name])
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert!(program.status.success(), "{}", String::from_utf8_lossy(&program.stderr));
+    std::fs::read(folder.join(name)).unwrap()
+}
+
 fn load(name: &str) -> Goniometric {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("tests/data/formats")
@@ -61,11 +86,15 @@ fn mitsuba_reads_rgl_files() {
         ),
         ("dir_iso_rgb.ddr", "scalar_rgb", &[]),
         ("dir_aniso_rgb.ddr", "scalar_rgb", &[]),
+        ("full.bsdf", "scalar_spectral", &[400.0, 500.0, 600.0, 700.0]),
     ] {
-        let written = write(&load(name), Format::Rgl, None).unwrap();
-        let data = parse("x.bsdf", &written.bytes, &ReadOptions::default()).unwrap();
+        let bytes = match name {
+            "full.bsdf" => measured(folder.path(), name),
+            _ => write(&load(name), Format::Rgl, None).unwrap().bytes,
+        };
+        let data = parse("x.bsdf", &bytes, &ReadOptions::default()).unwrap();
         let file = folder.path().join(format!("{name}.bsdf"));
-        std::fs::write(&file, &written.bytes).unwrap();
+        std::fs::write(&file, &bytes).unwrap();
         let Table::Warped(table) = &data.components[0].table else {
             panic!("no warped table")
         };
@@ -151,11 +180,15 @@ fn radiance_reads_klems_files() {
         "dir_spherical_bw.ssdd",
         "dir_specular_spectral7_binary.ssdd",
         "lbgen_lambert_bsdf_mono.ssdd",
+        "full.xml",
     ] {
-        let written = write(&load(name), Format::RadianceXml, None).unwrap();
-        let data = parse("x.xml", &written.bytes, &ReadOptions::default()).unwrap();
+        let bytes = match name {
+            "full.xml" => measured(folder.path(), name),
+            _ => write(&load(name), Format::RadianceXml, None).unwrap().bytes,
+        };
+        let data = parse("x.xml", &bytes, &ReadOptions::default()).unwrap();
         let file = folder.path().join(format!("{name}.xml"));
-        std::fs::write(&file, &written.bytes).unwrap();
+        std::fs::write(&file, &bytes).unwrap();
         let beyond = if data.components.len() > 1 { 180.0 } else { 0.0 };
         let angles = [
             (0.0, 0.0, 20.0, 0.0),

@@ -137,7 +137,7 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
         group.truncate(1);
     }
     let klems = format == Format::RadianceXml;
-    let measurement = FullMeasurement::new(full.cells(format)?, group, klems, batches, &plan.grid)?;
+    let measurement = FullMeasurement::new(full.cells(format)?, group, klems, batches, plan.study.seed, &plan.grid)?;
     let tracing = terminal.progress("tracing the cloth");
     let bsdf = match full.method {
         Method::Volumetric => {
@@ -159,14 +159,15 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
         (_, true) => Colours::Rgb,
         _ => Colours::Spectral,
     };
+    let mut notices = Vec::new();
     let mut data = Goniometric {
         format,
         provenance,
-        components: bsdf.components(colours)?,
+        components: bsdf.components(colours, format == Format::Csv, &mut notices)?,
         warnings: Vec::new(),
     };
     let written = formats::write(&data, format, scatter)?;
-    let mut notices = written.notices;
+    notices.extend(written.notices);
     if !matches!(format, Format::Sdr | Format::Ssdd) {
         notices.push(format!(
             "light straight through the gaps is not in the file; its fraction is in {}",
@@ -175,7 +176,7 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
     }
     let errors = match &full.errors {
         Some(path) => {
-            data.components = bsdf.errors();
+            data.components = bsdf.errors(true);
             Some((path, formats::write(&data, Format::Csv, scatter)?.bytes))
         }
         None => None,

@@ -12,6 +12,7 @@ pub enum Purpose {
     Check = 6,
     Woven = 7,
     Bounces = 8,
+    Incidence = 9,
 }
 
 /// The one source of random numbers: each (seed, purpose, direction, batch, wavelength) has a stream of its own,

@@ -2,6 +2,7 @@ use super::Symmetry;
 use crate::formats::KlemsBasis;
 use crate::geometry::Vec3;
 use crate::woven::{Detector, HemisphereNodes};
+use rand::{Rng, RngExt};
 
 /// The incident and outgoing directions of a full measurement, on either side of the cloth alike. A cell below the cloth is
 /// the one above it with z reversed.
@@ -51,15 +52,17 @@ impl Cells {
         }
     }
 
-    /// Upward unit vector towards the light of a batch. Patches are covered evenly in projected solid angle by the batches,
-    /// whose spread then also holds that of the directions.
-    pub(super) fn towards_light(&self, cell: usize, batch: usize, batches: usize) -> Vec3 {
+    /// Upward unit vector towards the light of a batch. The batches cover a patch evenly in projected solid angle, by a
+    /// lattice with a random shift that `rng` gives, the same one for each batch; so their mean has no bias, and their
+    /// spread also holds that of f over the patch.
+    pub(super) fn towards_light(&self, cell: usize, batch: usize, batches: usize, mut rng: impl Rng) -> Vec3 {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         match self {
             Self::Nodes(_) => self.centre(cell),
             Self::Patches(basis) => {
-                let outwards = (batch as f64 + 0.5) / batches as f64;
-                let around = (GOLDEN * (batch as f64 + 0.5)).fract();
+                let [outwards, around]: [f64; 2] = rng.random();
+                let outwards = (outwards + batch as f64 / batches as f64).fract();
+                let around = (around + GOLDEN * batch as f64).fract();
                 opposite(&basis.direction(cell, outwards, around))
             }
         }

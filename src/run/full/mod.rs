@@ -16,7 +16,7 @@ pub use tables::Colours;
 use super::{Progress, RunError};
 use crate::formats::{Scatter, Side};
 use crate::spectrum::WavelengthGrid;
-use crate::transport::{BatchSums, Estimate};
+use crate::transport::{BatchSums, Estimate, Purpose, Stream};
 use crate::woven::{Beam, ClothBatch};
 use rayon::prelude::*;
 
@@ -27,6 +27,7 @@ pub struct FullMeasurement {
     symmetries: Vec<Symmetry>,
     sides: Vec<Side>,
     batches: usize,
+    seed: u64,
     grid: WavelengthGrid,
 }
 
@@ -75,6 +76,7 @@ impl FullMeasurement {
         symmetries: Vec<Symmetry>,
         back: bool,
         batches: usize,
+        seed: u64,
         grid: &WavelengthGrid,
     ) -> Result<Self, RunError> {
         let found = cells.incident() * cells.count() * 2 * grid.len();
@@ -93,6 +95,7 @@ impl FullMeasurement {
                 vec![Side::Front]
             },
             batches,
+            seed,
             grid: grid.clone(),
         })
     }
@@ -138,11 +141,12 @@ impl FullMeasurement {
             let batches: Vec<ClothBatch> = (0..self.batches)
                 .into_par_iter()
                 .map(|batch| {
-                    let mut omega_in = self.cells.towards_light(cell, batch, self.batches);
-                    let mut number = cell;
-                    if side == Side::Back {
+                    let back = side == Side::Back;
+                    let number = cell + if back { self.cells.count() } else { 0 };
+                    let stream = Stream::open(self.seed, Purpose::Incidence, number, 0, 0);
+                    let mut omega_in = self.cells.towards_light(cell, batch, self.batches, stream);
+                    if back {
                         omega_in.z = -omega_in.z;
-                        number += self.cells.count();
                     }
                     let traced = light(&Beam { omega_in, number }, &self.cells, batch);
                     progress(step);

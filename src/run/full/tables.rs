@@ -5,7 +5,8 @@ use crate::formats::{
 };
 use crate::transport::Estimate;
 use crate::woven::HemisphereNodes;
-use std::f64::consts::TAU;
+use std::cell::Cell;
+use std::f64::consts::{PI, TAU};
 
 /// What stands for a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,8 +23,15 @@ type Values<'a> = dyn Fn(&[Estimate]) -> Vec<f64> + 'a;
 
 impl FullBsdf {
     /// Reflection and transmission from every side that was measured, and, where cells are nodes, the fraction that goes
-    /// straight through the gaps. Numbers are rounded to six digits.
-    pub fn components(&self, colours: Colours) -> Result<Vec<Component>, ColourError> {
+    /// straight through the gaps. Numbers, β or f, are rounded to six digits. Colours outside the RGB space have
+    /// components below 0, which become 0 with a notice.
+    pub fn components(
+        &self,
+        colours: Colours,
+        as_beta: bool,
+        notices: &mut Vec<String>,
+    ) -> Result<Vec<Component>, ColourError> {
+        let negative = Cell::new(0usize);
         let system = ColourSystem::new(&self.grid, Convention::default())?;
         let values = |spectrum: &[Estimate]| {
             let values: Vec<f64> = spectrum.iter().map(|f| f.value).collect();
@@ -35,37 +43,58 @@ impl FullBsdf {
                     vec![xyz.x, xyz.y, xyz.z]
                 }
             };
-            values.into_iter().map(|value| rounded(value.max(0.0))).collect()
+            let clipped = |value: f64| {
+                negative.set(negative.get() + usize::from(value < 0.0));
+                value.max(0.0)
+            };
+            values.into_iter().map(clipped).collect()
         };
         let channels = match colours {
             Colours::Spectral => Channels::Wavelengths(self.grid.clone()),
             Colours::Rgb => Channels::Rgb,
             Colours::Xyz => Channels::Xyz,
         };
-        Ok(self.tables(&channels, &values, true))
+        let tables = self.tables(&channels, as_beta, &values, true);
+        if negative.get() > 0 {
+            let count = negative.get();
+            notices.push(format!(
+                "{count} components of colours outside the RGB space are written as 0"
+            ));
+        }
+        Ok(tables)
     }
 
-    /// Standard errors of f, spectral, in tables like those of the values.
-    pub fn errors(&self) -> Vec<Component> {
-        let values = |spectrum: &[Estimate]| spectrum.iter().map(|f| rounded(f.se)).collect();
-        self.tables(&Channels::Wavelengths(self.grid.clone()), &values, false)
+    /// Standard errors, spectral, in tables like those of the values.
+    pub fn errors(&self, as_beta: bool) -> Vec<Component> {
+        let values = |spectrum: &[Estimate]| spectrum.iter().map(|f| f.se).collect();
+        self.tables(&Channels::Wavelengths(self.grid.clone()), as_beta, &values, false)
     }
 
-    fn tables(&self, channels: &Channels, values: &Values, with_gaps: bool) -> Vec<Component> {
+    fn tables(&self, channels: &Channels, as_beta: bool, values: &Values, with_gaps: bool) -> Vec<Component> {
+        let (quantity, scale) = if as_beta {
+            (Quantity::BrightnessFactor, PI)
+        } else {
+            (Quantity::Bsdf, 1.0)
+        };
+        let of_bsdf = |spectrum: &[Estimate]| {
+            let values = values(spectrum).into_iter();
+            values.map(|f| rounded(scale * f)).collect()
+        };
+        let fractions = |spectrum: &[Estimate]| values(spectrum).into_iter().map(rounded).collect();
         let mut components = Vec::new();
         for &side in &self.sides {
             for scatter in [Scatter::Reflection, Scatter::Transmission] {
                 components.push(Component {
                     scatter,
                     side,
-                    quantity: Quantity::Bsdf,
+                    quantity,
                     channels: channels.clone(),
                     table: match &self.cells {
                         Cells::Nodes(nodes) => {
-                            Table::Grid(self.grid_of(nodes, side, scatter, channels.count(), values))
+                            Table::Grid(self.grid_of(nodes, side, scatter, channels.count(), &of_bsdf))
                         }
                         Cells::Patches(basis) => {
-                            let matrix = self.matrix_of(side, scatter, channels.count(), values);
+                            let matrix = self.matrix_of(side, scatter, channels.count(), &of_bsdf);
                             Table::Klems(KlemsMatrix::new(basis.clone(), basis.clone(), matrix))
                         }
                     },
@@ -77,7 +106,7 @@ impl FullBsdf {
                     side,
                     quantity: Quantity::Fraction,
                     channels: channels.clone(),
-                    table: Table::Specular(self.gaps_of(nodes, side, channels.count(), values)),
+                    table: Table::Specular(self.gaps_of(nodes, side, channels.count(), &fractions)),
                 });
             }
         }
