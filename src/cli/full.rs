@@ -12,20 +12,8 @@ use std::path::{Path, PathBuf};
 /// Particles of one incidence.
 const PATHS: u64 = 200_000;
 
-/// How light between the yarns is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Method {
-    /// Traced through the medium of every yarn.
-    Volumetric,
-}
-
-impl Method {
-    fn words(self) -> &'static str {
-        match self {
-            Self::Volumetric => "volumetric, with the reflection of the yarns' surface",
-        }
-    }
-}
+/// How light is simulated.
+const METHOD: &str = "volumetric, with the reflection of the yarns' surface";
 
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Full BSDF")]
@@ -34,9 +22,6 @@ pub struct Arguments {
     /// format that can be written, and beside it is FILE.hemispherical.csv. --paths are particles of each incidence.
     #[arg(long, conflicts_with_all = ["until", "max_time", "resume"])]
     pub full: bool,
-    /// How light between the yarns is computed.
-    #[arg(long, value_enum, default_value = "volumetric", requires = "full")]
-    method: Method,
     /// Format to write; without it the extension of --out says.
     #[arg(long, value_name = "FORMAT", value_parser = format_of, requires = "full")]
     to: Option<Format>,
@@ -139,13 +124,9 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
     let klems = format == Format::RadianceXml;
     let measurement = FullMeasurement::new(full.cells(format)?, group, klems, batches, plan.study.seed, &plan.grid)?;
     let tracing = terminal.progress("tracing the cloth");
-    let bsdf = match full.method {
-        Method::Volumetric => {
-            let cloth = VolumetricCloth::new(plan, particles)?;
-            let light = |beam: &_, cells: &Cells, batch| cloth.batch(beam, cells, batch);
-            measurement.measure(light, &|share| tracing.advance(share))
-        }
-    };
+    let cloth = VolumetricCloth::new(plan, particles, true)?;
+    let light = |beam: &_, cells: &Cells, batch| cloth.batch(beam, cells, batch);
+    let bsdf = measurement.measure(light, &|share| tracing.advance(share));
     tracing.finish();
     let incidences = bsdf.cells().incident() * bsdf.sides().len();
     let effort = Effort {
@@ -220,7 +201,7 @@ fn percent(share: Option<f64>) -> String {
     share.map_or("unknown".into(), |share| format!("{:.2} %", 100.0 * share))
 }
 
-fn beside(out: &Path, ending: &str) -> PathBuf {
+pub fn beside(out: &Path, ending: &str) -> PathBuf {
     let mut name = out.as_os_str().to_owned();
     name.push(ending);
     name.into()
@@ -295,7 +276,7 @@ impl Arguments {
             "the front"
         };
         let comments = [
-            format!("{software}, simulated woven cloth, {}", self.method.words()),
+            format!("{software}, simulated woven cloth, {}", METHOD),
             format!("study SHA-256 {digest}, seed {}", plan.study.seed),
             format!(
                 "{} incidences from {sides}, {} of them traced, the rest by the symmetry of the weave; {} batches of {} \
@@ -317,7 +298,7 @@ impl Arguments {
                 statement("description", comments.join("; ")),
                 statement("SOFTWARE", software.clone()),
                 statement("SOURCE", "Generated".into()),
-                statement("METHOD", self.method.words().into()),
+                statement("METHOD", METHOD.into()),
                 statement("STUDY_SHA256", digest.clone()),
                 statement("SEED", plan.study.seed.to_string()),
                 statement("BATCHES", effort.batches.to_string()),

@@ -1,8 +1,11 @@
-use super::{Failure, Options, Stopping, Terminal, full, state_beside, study};
+use super::full::{self, beside};
+use super::{Failure, Options, Stopping, Terminal, state_beside, study};
 use serde::Serialize;
 use specval::report::{check_writable, effort_line, write_whole};
 use specval::run::{Plan, Simulator, StateFile, Watch};
+use specval::study::MethodChoice;
 use specval::transport::Estimate;
+use specval::woven::ClothLedger;
 use std::path::PathBuf;
 
 /// Measures the woven model with the virtual rig: spectral brightness factors, gloss included, not normalised.
@@ -16,10 +19,45 @@ pub struct Arguments {
     /// CSV file for the curves; with --full a file of any format that is written.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// How light in the cloth is simulated, instead of the study's `[cloth] method`; with --full it is volumetric.
+    #[arg(long, value_enum, value_name = "METHOD")]
+    method: Option<Method>,
     #[command(flatten)]
     full: full::Arguments,
     #[command(flatten)]
     stopping: Stopping,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Method {
+    /// Yarns scatter by their f*; `[cloth] bounces` says how often light goes on.
+    RadianceFactor,
+    /// Traced through the medium of every yarn that light meets.
+    Volumetric,
+}
+
+/// `--full` with a method that gives no full BSDF.
+#[derive(Debug, thiserror::Error)]
+#[error("--method: expected volumetric with --full, found radiance-factor; leave it out, or --full")]
+struct FullIsVolumetric;
+
+/// Where the light of one incidence and wavelength went.
+#[derive(Serialize)]
+struct EnergyRow {
+    theta_i_deg: f64,
+    wavelength_nm: f64,
+    reflected: f64,
+    reflected_se: f64,
+    through_yarns: f64,
+    through_yarns_se: f64,
+    through_gaps: f64,
+    through_gaps_se: f64,
+    absorbed: f64,
+    absorbed_se: f64,
+    games: f64,
+    games_se: f64,
+    residual: f64,
+    residual_se: f64,
 }
 
 #[derive(Serialize)]
@@ -32,11 +70,22 @@ struct Row {
 }
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
-    let plan = Plan::new(study::load(arguments.study.as_deref(), options)?)?;
+    let mut study = study::load(arguments.study.as_deref(), options)?;
+    match arguments.method {
+        Some(Method::RadianceFactor) => study.cloth.method = MethodChoice::RadianceFactor,
+        Some(Method::Volumetric) => study.cloth.method = MethodChoice::Volumetric,
+        None => {}
+    }
+    let plan = Plan::new(study)?;
     if arguments.full.full {
+        if arguments.method == Some(Method::RadianceFactor) {
+            return Err(FullIsVolumetric.into());
+        }
         return full::run(&plan, &arguments.out, &arguments.full, options, terminal);
     }
     check_writable(&arguments.out)?;
+    let energy_file = beside(&arguments.out, ".energy.csv");
+    check_writable(&energy_file)?;
     let wavelengths = plan.grid.len();
     let stopping = &arguments.stopping;
     let rule = stopping.rule(plan.direct_effort.batches, options);
@@ -45,6 +94,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let state = StateFile::new(state_beside(&arguments.out), "measure", &plan)?;
     let simulation = stopping.simulate(&simulator, watch, &state, &rule, terminal)?;
     let effort = effort_line(&simulation.effort);
+    let energy = energy_rows(&plan, &simulator.incidences_deg(), &simulation.cloth);
     let curves = simulation.curves;
     let mut rows = Vec::with_capacity(curves.geometries.len() * wavelengths);
     for (g, geometry) in curves.geometries.iter().enumerate() {
@@ -69,12 +119,55 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         csv.serialize(row)?;
     }
     write_whole(&arguments.out, &csv.into_inner()?)?;
+    let mut also = String::new();
+    if !energy.is_empty() {
+        let mut csv = csv::Writer::from_writer(Vec::new());
+        for row in &energy {
+            csv.serialize(row)?;
+        }
+        write_whole(&energy_file, &csv.into_inner()?)?;
+        also = format!(", where the light went to {}", energy_file.display());
+    }
     state.remove()?;
     terminal.result(&rows, |rows| {
         format!(
-            "{} brightness factors written to {}\n{effort}\n",
+            "{} brightness factors written to {}{also}\n{effort}\n",
             rows.len(),
             arguments.out.display()
         )
     })
+}
+
+/// `cloth` is [batch][incidence × wavelength]; empty where light was not followed from yarn to yarn.
+fn energy_rows(plan: &Plan, incidences_deg: &[f64], cloth: &[Vec<ClothLedger>]) -> Vec<EnergyRow> {
+    let nm = plan.grid.nm();
+    let cells = cloth.first().map_or(0, Vec::len);
+    let row = |i: usize| {
+        let estimate = |of: fn(&ClothLedger) -> f64| Estimate::from_batches(cloth.iter().map(|batch| of(&batch[i])));
+        let [reflected, through_yarns, through_gaps, absorbed, games, residual] = [
+            estimate(|ledger| ledger.reflected),
+            estimate(|ledger| ledger.through_yarns),
+            estimate(|ledger| ledger.through_gaps),
+            estimate(|ledger| ledger.absorbed),
+            estimate(|ledger| ledger.games),
+            estimate(ClothLedger::residual),
+        ];
+        EnergyRow {
+            theta_i_deg: incidences_deg[i / nm.len()],
+            wavelength_nm: nm[i % nm.len()],
+            reflected: reflected.value,
+            reflected_se: reflected.se,
+            through_yarns: through_yarns.value,
+            through_yarns_se: through_yarns.se,
+            through_gaps: through_gaps.value,
+            through_gaps_se: through_gaps.se,
+            absorbed: absorbed.value,
+            absorbed_se: absorbed.se,
+            games: games.value,
+            games_se: games.se,
+            residual: residual.value,
+            residual_se: residual.se,
+        }
+    };
+    (0..cells).map(row).collect()
 }

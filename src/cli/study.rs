@@ -35,6 +35,8 @@ pub fn load(path: Option<&Path>, options: &Options) -> Result<Study, LoadError> 
     if let Some(paths) = options.paths {
         study.trace.paths_bssrdf = paths.get();
         study.trace.paths_direct = paths.get();
+        study.trace.particles = paths.get();
+        study.trace.particles_volumetric = paths.get();
     }
     study.validate()?;
     Ok(study)

@@ -3,7 +3,7 @@ use crate::cloth::Tubes;
 use crate::compare::Geometry;
 use crate::rig::{omega_in, omega_out};
 use crate::study::SurfaceChoice;
-use crate::woven::{Beam, Bounces, ClothBatch, Detector, ViewCones, Volumetric};
+use crate::woven::{Beam, Bounces, ClothBatch, ClothLedger, Detector, ViewCones, Volumetric};
 use crate::yarn::{Sharing, YarnScatter};
 use rayon::prelude::*;
 
@@ -53,12 +53,14 @@ pub struct VolumetricCloth<'a> {
     sharing: Vec<Sharing<'a>>,
     plan: &'a Plan,
     particles: usize,
+    surface_reflection: bool,
 }
 
 impl<'a> VolumetricCloth<'a> {
-    /// `particles` in a batch.
-    pub fn new(plan: &'a Plan, particles: usize) -> Result<Self, RunError> {
+    /// `particles` in a batch; whether light that the yarns' surface reflects on its way in goes on.
+    pub fn new(plan: &'a Plan, particles: usize, surface_reflection: bool) -> Result<Self, RunError> {
         Ok(Self {
+            surface_reflection,
             tubes: Tubes::new(&plan.cloth_spec)?,
             sharing: plan.yarn.sharing()?,
             plan,
@@ -77,7 +79,7 @@ impl<'a> VolumetricCloth<'a> {
                 tubes: &self.tubes,
                 interiors: [interior, interior],
                 roulette: self.plan.yarn.roulette,
-                surface_reflection: self.plan.study.specular.surface == SurfaceChoice::Yarn,
+                surface_reflection: self.surface_reflection,
                 seed: self.plan.study.seed,
             };
             let part = light.batch(beam, detector, *first, batch, self.particles);
@@ -90,19 +92,27 @@ impl<'a> VolumetricCloth<'a> {
         all
     }
 
-    /// β of all light at [geometry][wavelength].
-    pub(super) fn brightness(&self, lit: &[LitViews], batch: usize) -> Vec<(usize, Vec<f64>)> {
+    /// β of all light at the views of each incidence, and where the light went.
+    pub(super) fn brightness(&self, lit: &[LitViews], batch: usize) -> Vec<LitBatch> {
         lit.par_iter()
-            .flat_map_iter(|LitViews { beam, cones, places }| {
-                let caught = self.batch(beam, cones, batch).caught;
-                places.iter().zip(caught).enumerate().map(|(k, (&place, mut caught))| {
+            .map(|LitViews { beam, cones, .. }| {
+                let ClothBatch { ledger, mut caught } = self.batch(beam, cones, batch);
+                for (k, caught) in caught.iter_mut().enumerate() {
                     let factor = std::f64::consts::PI / cones.projected_solid_angle(k);
                     caught.iter_mut().for_each(|c| *c *= factor);
-                    (place, caught)
-                })
+                }
+                LitBatch { beta: caught, ledger }
             })
             .collect()
     }
+}
+
+/// What one batch of light from one incidence gives.
+pub(super) struct LitBatch {
+    /// [view][wavelength].
+    pub beta: Vec<Vec<f64>>,
+    /// At each wavelength.
+    pub ledger: Vec<ClothLedger>,
 }
 
 /// Light that goes on from yarn to yarn where they scatter by f*.
@@ -128,14 +138,9 @@ impl<'a> LightBetween<'a> {
         })
     }
 
-    /// β at [geometry][wavelength] of light that the first yarn it met has not scattered, or not alone. `table` is f* of the
-    /// batch.
-    pub fn brightness(
-        &self,
-        table: &[f64],
-        lit: &[LitViews],
-        batch: usize,
-    ) -> Result<Vec<(usize, Vec<f64>)>, RunError> {
+    /// β, at the views of each incidence, of light that the first yarn it met has not scattered, or not alone; the ledger is of
+    /// all light. `table` is f* of the batch.
+    pub fn brightness(&self, table: &[f64], lit: &[LitViews], batch: usize) -> Result<Vec<LitBatch>, RunError> {
         let plan = self.plan;
         let scatter = YarnScatter::new(&plan.yarn, plan.factor_grid, table)?;
         let light = Bounces {
@@ -146,12 +151,10 @@ impl<'a> LightBetween<'a> {
             most: self.most,
             seed: plan.study.seed,
         };
-        Ok(lit
-            .par_iter()
-            .flat_map_iter(|LitViews { beam, cones, places }| {
-                let seen = light.between(beam, cones, batch, self.particles, STRAIGHT);
-                places.iter().copied().zip(seen)
-            })
-            .collect())
+        let between = |LitViews { beam, cones, .. }: &LitViews| {
+            let (beta, ledger) = light.between(beam, cones, batch, self.particles, STRAIGHT);
+            LitBatch { beta, ledger }
+        };
+        Ok(lit.par_iter().map(between).collect())
     }
 }

@@ -1,4 +1,4 @@
-use super::light::{LightBetween, LitViews, lit_views};
+use super::light::{LightBetween, LitBatch, LitViews, lit_views};
 use super::{
     CameraBatch, Gather, Outcome, Plan, Precision, RunError, Schedule, SpectralCurves, StateFile, StopRule,
     VolumetricCloth, Watch, gather,
@@ -7,6 +7,7 @@ use crate::compare::Geometry;
 use crate::report::{AskedEffort, EffortNote, EnergyRow, PathsPerBatch, ReachedPrecision};
 use crate::study::{MethodChoice, ShadeWith, SurfaceChoice};
 use crate::transport::{Ledger, LedgerEntry};
+use crate::woven::ClothLedger;
 use crate::yarn::{DirectTracer, EnergyTracer, IncidentGrid, PatchTracer};
 
 /// What one batch of light through yarn, cloth and rig gives. Nothing in it grows with the number of paths.
@@ -16,6 +17,8 @@ pub struct Batch {
     pub ledgers: Vec<Ledger>,
     /// Diffuse β at [geometry][wavelength].
     pub diffuse: Vec<Vec<f64>>,
+    /// Where light went in the cloth, where it was followed from yarn to yarn: [incidence × wavelength].
+    pub cloth: Vec<ClothLedger>,
 }
 
 /// Makes batches: each traces the yarn and shades the cloth with what it found.
@@ -72,7 +75,11 @@ impl<'a> Simulator<'a> {
             }
             MethodChoice::Volumetric => {
                 let particles = of_batch(plan.study.trace.particles_volumetric);
-                Light::Volumetric(VolumetricCloth::new(plan, particles)?)
+                Light::Volumetric(VolumetricCloth::new(
+                    plan,
+                    particles,
+                    plan.study.specular.surface == SurfaceChoice::Yarn,
+                )?)
             }
         };
         Ok(Self {
@@ -88,6 +95,21 @@ impl<'a> Simulator<'a> {
         &self.geometries
     }
 
+    /// Incidences and wavelengths of the ledgers of a batch's cloth; no incidence where light is not followed from yarn to yarn.
+    pub fn cloth_shape(&self) -> [usize; 2] {
+        let incidences = match &self.light {
+            Light::RadianceFactor(_, None) => 0,
+            _ => self.lit.len(),
+        };
+        [incidences, self.plan.grid.len()]
+    }
+
+    /// Incidences in the order of [`Batch::cloth`], degrees.
+    pub fn incidences_deg(&self) -> Vec<f64> {
+        let first = |lit: &LitViews| lit.places.first().map(|&place| self.geometries[place].theta_i_deg);
+        self.lit.iter().filter_map(first).collect()
+    }
+
     /// Traced incident directions and wavelengths of a batch's ledgers.
     pub fn ledger_shape(&self) -> [usize; 2] {
         [self.plan.incident.traced(), self.plan.grid.len()]
@@ -99,27 +121,33 @@ impl<'a> Simulator<'a> {
     /// None for a study that a plan was made of.
     pub fn batch(&self, batch: usize) -> Result<Batch, RunError> {
         let ledgers = self.energy.batch(batch).ledgers;
-        let mut diffuse = vec![vec![0.0; self.plan.grid.len()]; self.geometries.len()];
-        match &self.light {
+        let (mut diffuse, followed) = match &self.light {
             Light::RadianceFactor(shading, between) => {
                 let table = match shading {
                     Shading::Direct(tracer) => tracer.batch(batch).radiance_factor,
                     Shading::Bssrdf(tracer) => tracer.batch(batch).radiance_factor,
                 };
-                diffuse = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&table);
-                if let Some(between) = between {
-                    for (place, beta) in between.brightness(&table, &self.lit, batch)? {
-                        diffuse[place].iter_mut().zip(beta).for_each(|(sum, beta)| *sum += beta);
-                    }
-                }
+                let sunlit = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&table);
+                let between = between.as_ref().map(|light| light.brightness(&table, &self.lit, batch));
+                (sunlit, between.transpose()?.unwrap_or_default())
             }
             Light::Volumetric(cloth) => {
-                for (place, beta) in cloth.brightness(&self.lit, batch) {
-                    diffuse[place] = beta;
-                }
+                let dark = vec![vec![0.0; self.plan.grid.len()]; self.geometries.len()];
+                (dark, cloth.brightness(&self.lit, batch))
             }
+        };
+        let mut cloth = Vec::new();
+        for (LitViews { places, .. }, LitBatch { beta, ledger }) in std::iter::zip(&self.lit, followed) {
+            for (&place, beta) in places.iter().zip(beta) {
+                diffuse[place].iter_mut().zip(beta).for_each(|(sum, beta)| *sum += beta);
+            }
+            cloth.extend(ledger);
         }
-        Ok(Batch { ledgers, diffuse })
+        Ok(Batch {
+            ledgers,
+            diffuse,
+            cloth,
+        })
     }
 }
 
@@ -129,6 +157,8 @@ pub struct Simulation {
     pub curves: SpectralCurves,
     /// [batch][traced incident direction × wavelength].
     pub ledgers: Vec<Vec<Ledger>>,
+    /// [batch][incidence × wavelength]; empty batches where light is not followed from yarn to yarn.
+    pub cloth: Vec<Vec<ClothLedger>>,
     /// How much was traced and why no more.
     pub effort: EffortNote,
 }
@@ -138,8 +168,7 @@ struct Simulating<'a> {
     simulator: &'a Simulator<'a>,
     watch: Watch<'a>,
     state: &'a StateFile,
-    ledgers: Vec<Vec<Ledger>>,
-    diffuse: Vec<Vec<Vec<f64>>>,
+    done: Vec<Batch>,
 }
 
 impl Gather for Simulating<'_> {
@@ -147,7 +176,7 @@ impl Gather for Simulating<'_> {
     type Error = RunError;
 
     fn batches(&self) -> usize {
-        self.ledgers.len()
+        self.done.len()
     }
 
     fn make(&self, batch: usize) -> Result<Batch, RunError> {
@@ -156,8 +185,7 @@ impl Gather for Simulating<'_> {
 
     fn accept(&mut self, batch: Batch) {
         self.watch.add(&batch.diffuse);
-        self.ledgers.push(batch.ledgers);
-        self.diffuse.push(batch.diffuse);
+        self.done.push(batch);
     }
 
     fn largest_error(&self) -> Option<f64> {
@@ -165,7 +193,7 @@ impl Gather for Simulating<'_> {
     }
 
     fn save(&self) -> Result<(), RunError> {
-        self.state.save(self.simulator, &self.ledgers, &self.diffuse)
+        self.state.save(self.simulator, &self.done)
     }
 }
 
@@ -183,8 +211,7 @@ pub fn simulate(
         simulator,
         watch,
         state,
-        ledgers: Vec::new(),
-        diffuse: Vec::new(),
+        done: Vec::new(),
     };
     for batch in resumed {
         if rule.reached(done.batches(), || done.largest_error()).is_some() {
@@ -195,9 +222,16 @@ pub fn simulate(
     let outcome = gather(&mut done, schedule)?;
     let plan = simulator.plan;
     let watched = done.watch.precision();
+    let (mut ledgers, mut diffuse, mut cloth) = (Vec::new(), Vec::new(), Vec::new());
+    for batch in done.done {
+        ledgers.push(batch.ledgers);
+        diffuse.push(batch.diffuse);
+        cloth.push(batch.cloth);
+    }
     Ok(Simulation {
-        curves: SpectralCurves::new(plan, simulator.geometries.clone(), done.diffuse),
-        ledgers: done.ledgers,
+        curves: SpectralCurves::new(plan, simulator.geometries.clone(), diffuse),
+        ledgers,
+        cloth,
         effort: effort_note(plan, rule, &outcome, watched),
     })
 }

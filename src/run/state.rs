@@ -3,6 +3,7 @@ use crate::artefact::{ArrayInfo, ElementType, Identity, Kind, Reader, Writer};
 use crate::report::{InputDigest, ReportError};
 use crate::study::Study;
 use crate::transport::Ledger;
+use crate::woven::ClothLedger;
 use serde::Serialize;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -50,42 +51,38 @@ impl StateFile {
         };
         file.expect(&self.identity)?;
         let batches = file.arrays().next().and_then(|info| info.shape.first().copied());
-        let [ledgers, diffuse] = arrays(simulator, batches.unwrap_or(0));
-        let [directions, wavelengths] = simulator.ledger_shape();
-        let ledgers = file.array::<f64>(&ledgers.name, &ledgers.shape)?;
-        let diffuse = file.array::<f64>(&diffuse.name, &diffuse.shape)?;
-        let stored = std::iter::zip(
-            ledgers.chunks_exact(directions * wavelengths * Ledger::FRACTIONS),
-            diffuse.chunks_exact(simulator.geometries().len() * wavelengths),
-        );
-        Ok(Some(
-            stored
-                .map(|(ledgers, diffuse)| Batch {
-                    ledgers: ledgers
-                        .as_chunks()
-                        .0
-                        .iter()
-                        .copied()
-                        .map(Ledger::from_fractions)
-                        .collect(),
-                    diffuse: diffuse.chunks_exact(wavelengths).map(<[f64]>::to_vec).collect(),
-                })
+        let infos = arrays(simulator, batches.unwrap_or(0));
+        let wavelengths = simulator.ledger_shape()[1];
+        let mut stored = Vec::with_capacity(infos.len());
+        for info in &infos {
+            stored.push(file.array::<f64>(&info.name, &info.shape)?);
+        }
+        let of_batch = |array: usize, batch: usize| {
+            let size: usize = infos[array].shape[1..].iter().product();
+            &stored[array][batch * size..(batch + 1) * size]
+        };
+        let batch = |batch| Batch {
+            ledgers: fractions(of_batch(0, batch)).map(Ledger::from_fractions).collect(),
+            diffuse: of_batch(1, batch)
+                .chunks_exact(wavelengths)
+                .map(<[f64]>::to_vec)
                 .collect(),
-        ))
+            cloth: fractions(of_batch(2, batch)).map(ClothLedger::from_fractions).collect(),
+        };
+        Ok(Some((0..batches.unwrap_or(0)).map(batch).collect()))
     }
 
     /// Replaces the file, whole or not at all.
-    pub(super) fn save(
-        &self,
-        simulator: &Simulator,
-        ledgers: &[Vec<Ledger>],
-        diffuse: &[Vec<Vec<f64>>],
-    ) -> Result<(), RunError> {
-        let infos = arrays(simulator, ledgers.len());
-        let header = serde_json::json!({ "batches": ledgers.len() });
+    pub(super) fn save(&self, simulator: &Simulator, batches: &[Batch]) -> Result<(), RunError> {
+        let infos = arrays(simulator, batches.len());
+        let header = serde_json::json!({ "batches": batches.len() });
         let mut file = Writer::create(&self.path, Kind::State, &self.identity, &header, &infos)?;
-        file.append(&infos[0].name, ledgers.iter().flatten().flat_map(Ledger::fractions))?;
-        file.append(&infos[1].name, diffuse.iter().flatten().flatten().copied())?;
+        let ledgers = batches.iter().flat_map(|batch| &batch.ledgers);
+        file.append(&infos[0].name, ledgers.flat_map(Ledger::fractions))?;
+        let diffuse = batches.iter().flat_map(|batch| batch.diffuse.iter().flatten());
+        file.append(&infos[1].name, diffuse.copied())?;
+        let cloth = batches.iter().flat_map(|batch| &batch.cloth);
+        file.append(&infos[2].name, cloth.flat_map(ClothLedger::fractions))?;
         Ok(file.finish()?)
     }
 
@@ -132,8 +129,12 @@ fn leftovers(path: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
+fn fractions<const N: usize>(values: &[f64]) -> impl Iterator<Item = [f64; N]> {
+    values.as_chunks().0.iter().copied()
+}
+
 /// What the file holds for this many batches.
-fn arrays(simulator: &Simulator, batches: usize) -> [ArrayInfo; 2] {
+fn arrays(simulator: &Simulator, batches: usize) -> [ArrayInfo; 3] {
     let array = |name: &str, unit: &str, axes: &str, shape: &[usize]| ArrayInfo {
         name: name.into(),
         unit: unit.into(),
@@ -154,6 +155,17 @@ fn arrays(simulator: &Simulator, batches: usize) -> [ArrayInfo; 2] {
             "1",
             "batch, geometry, wavelength",
             &[batches, simulator.geometries().len(), wavelengths],
+        ),
+        array(
+            "cloth",
+            "fraction of the incident flux",
+            "batch, incidence, wavelength, (reflected, through yarns, through gaps, absorbed, games)",
+            &[
+                batches,
+                simulator.cloth_shape()[0],
+                simulator.cloth_shape()[1],
+                ClothLedger::FRACTIONS,
+            ],
         ),
     ]
 }

@@ -146,16 +146,8 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
     /// As fractions of a beam of so many particles.
     pub fn batch(self, particles: usize) -> ClothBatch {
         let share = 1.0 / particles as f64;
-        let ledger = self.sums.iter().map(|sums| {
-            let [reflected, through_yarns, through_gaps, absorbed, games] = sums.map(|sum| sum * share);
-            ClothLedger {
-                reflected,
-                through_yarns,
-                through_gaps,
-                absorbed,
-                games,
-            }
-        });
+        let ledger = self.sums.iter();
+        let ledger = ledger.map(|sums| ClothLedger::from_fractions(sums.map(|sum| sum * share)));
         let mut caught = self.caught;
         caught.iter_mut().flatten().for_each(|sum| *sum *= share);
         ClothBatch {

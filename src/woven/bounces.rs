@@ -1,5 +1,5 @@
 use super::air::{Air, Arrival};
-use super::{Beam, ClothBatch, Detector, ViewCones};
+use super::{Beam, ClothBatch, ClothLedger, Detector, ViewCones};
 use crate::cloth::{System, Tubes};
 use crate::geometry::Vec3;
 use crate::optics::fresnel;
@@ -47,7 +47,7 @@ impl Bounces<'_> {
     }
 
     /// What views see of light that was not scattered by the first yarn that the beam met, and by no other: the brightness factor
-    /// at [view][wavelength]. Light scattered last is worked out for each view from `particles` particles; light that a surface
+    /// at [view][wavelength]; and the ledger of all light. Light scattered last is worked out for each view from `particles` particles; light that a surface
     /// sends on last has no density in direction, and is caught in the cones, from `straight` times as many.
     pub fn between(
         &self,
@@ -56,7 +56,7 @@ impl Bounces<'_> {
         batch: usize,
         particles: usize,
         straight: usize,
-    ) -> Vec<Vec<f64>> {
+    ) -> (Vec<Vec<f64>>, Vec<ClothLedger>) {
         let wavelengths = self.yarns[0].medium.grid().len();
         let mut views: Vec<Seen> = (cones.views().iter())
             .map(|&towards| Seen {
@@ -65,9 +65,7 @@ impl Bounces<'_> {
             })
             .collect();
         self.trace(beam, &Nothing, false, &mut views, batch, particles);
-        let caught = self
-            .trace(beam, cones, false, &mut [], batch, straight * particles)
-            .caught;
+        let ClothBatch { caught, ledger } = self.trace(beam, cones, false, &mut [], batch, straight * particles);
         let of_view = |(k, (seen, caught)): (usize, (Seen, Vec<f64>))| {
             let per_flux = PI / (seen.towards.z.abs() * particles as f64);
             let per_caught = PI / cones.projected_solid_angle(k);
@@ -75,7 +73,7 @@ impl Bounces<'_> {
             both.map(|(flux, caught)| flux * per_flux + caught * per_caught)
                 .collect()
         };
-        views.into_iter().zip(caught).enumerate().map(of_view).collect()
+        (views.into_iter().zip(caught).enumerate().map(of_view).collect(), ledger)
     }
 
     /// `views` ask for light that has been to another yarn before.

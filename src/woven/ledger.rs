@@ -24,6 +24,16 @@ impl ClothLedger {
         self.through_yarns + self.through_gaps
     }
 
+    pub fn from_fractions([reflected, through_yarns, through_gaps, absorbed, games]: [f64; Self::FRACTIONS]) -> Self {
+        Self {
+            reflected,
+            through_yarns,
+            through_gaps,
+            absorbed,
+            games,
+        }
+    }
+
     /// In the order of the fields.
     pub fn fractions(&self) -> [f64; Self::FRACTIONS] {
         [
