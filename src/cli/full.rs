@@ -135,9 +135,10 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
         particles,
     };
     let provenance = full.provenance(plan, &bsdf, &effort)?;
-    let colours = match (klems, full.rgb) {
-        (true, _) => Colours::Xyz,
-        (_, true) => Colours::Rgb,
+    let colours = match format {
+        Format::RadianceXml => Colours::Xyz,
+        Format::Merl => Colours::Rgb,
+        _ if full.rgb => Colours::Rgb,
         _ => Colours::Spectral,
     };
     let mut notices = Vec::new();
