@@ -64,7 +64,13 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
 
 fn quicken(study: &mut Study) {
     let batches = u64::from(study.trace.batches);
-    for paths in [&mut study.trace.paths_bssrdf, &mut study.trace.paths_direct] {
+    let trace = &mut study.trace;
+    for paths in [
+        &mut trace.paths_bssrdf,
+        &mut trace.paths_direct,
+        &mut trace.particles,
+        &mut trace.particles_volumetric,
+    ] {
         *paths = (*paths / 20).max(batches).min(*paths);
     }
     study.rig.pixels_per_side = (study.rig.pixels_per_side / 3).max(4).min(study.rig.pixels_per_side);

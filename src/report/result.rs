@@ -34,6 +34,9 @@ pub enum Table1Name {
     Model,
     ModelLow,
     ModelHigh,
+    /// The model without light between the yarns, and with all of it.
+    ModelDirect,
+    ModelAllBounces,
 }
 
 /// Ratios of linear RGB at normal illumination and view; `None` where there is no such value.

@@ -62,7 +62,7 @@ pub fn effort_line(effort: &EffortNote) -> String {
 fn table1(text: &mut String, data: &ReportData) {
     let _ = writeln!(
         text,
-        "{:<12} {:>10} {:>9} {:>10} {:>9}   ({})",
+        "{:<19} {:>10} {:>9} {:>10} {:>9}   ({})",
         "Table 1", "BLUE/RED", "se", "GREEN/RED", "se", data.colour_convention
     );
     for row in &data.table1 {
@@ -72,11 +72,13 @@ fn table1(text: &mut String, data: &ReportData) {
             Table1Name::Model => "model",
             Table1Name::ModelLow => "model low",
             Table1Name::ModelHigh => "model high",
+            Table1Name::ModelDirect => "model, direct light",
+            Table1Name::ModelAllBounces => "model, all bounces",
         };
         let show = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), rounded);
         let _ = writeln!(
             text,
-            "{name:<12} {:>10} {:>9} {:>10} {:>9}",
+            "{name:<19} {:>10} {:>9} {:>10} {:>9}",
             show(row.blue_over_red),
             show(row.blue_over_red_se),
             show(row.green_over_red),

@@ -112,6 +112,8 @@ pub fn table1_markdown(data: &ReportData) -> String {
         sample.source.trim_end_matches('.'),
         sample.licence.trim_end_matches('.')
     );
+    text += "[^orders]: The same yarn, with a part of the paths: light that goes on from yarn to yarn is left out, as in the \
+             preprint, or followed to its end.\n";
     text += "[^range]: Lowest and highest ratio over the study's parameter sweep; \"model\" is at the study's own parameters.\n";
     text
 }
@@ -139,6 +141,18 @@ fn rows_for_people(rows: &[Table1Row]) -> Vec<(&'static str, String, String)> {
             range(low.blue_over_red, high.blue_over_red),
             range(low.green_over_red, high.green_over_red),
         ));
+    }
+    for (name, label) in [
+        (Table1Name::ModelDirect, "model, direct light alone[^orders]"),
+        (Table1Name::ModelAllBounces, "model, all light between yarns[^orders]"),
+    ] {
+        if let Some(row) = find(name) {
+            out.push((
+                label,
+                or_dash(row.blue_over_red, row.blue_over_red_se),
+                or_dash(row.green_over_red, row.green_over_red_se),
+            ));
+        }
     }
     out
 }

@@ -1,4 +1,5 @@
 use super::curves::{channels, directions};
+use super::light::{LightBetween, lit_views};
 use super::{CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows};
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{
@@ -85,7 +86,14 @@ pub fn report(
         }
     };
     let sweep = sweep(plan, simulation.effort.batches, &mut notices, progress)?;
-    let table1 = table1(&plan.colour, curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
+    let orders = orders(plan, simulation.effort.batches)?;
+    let mut table1 = table1(&plan.colour, curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
+    for (name, ratios) in [Table1Name::ModelDirect, Table1Name::ModelAllBounces]
+        .into_iter()
+        .zip(&orders)
+    {
+        table1.push(Table1Row::estimated(name, ratios));
+    }
     let mut conventions = Vec::new();
     for convention in Convention::all() {
         let name = convention.to_string();
@@ -225,6 +233,41 @@ fn diffuse_ratios(colour: &ColourSystem, curves: &SpectralCurves, normal: usize)
         .map(|batch| channels(colour, &batch[normal]))
         .collect();
     Ok(model_colour_ratios(&batches)?)
+}
+
+/// Share of the study's paths and particles that tell light between the yarns in Table 1, and their batches.
+const ORDERS_SHARE: u64 = 4;
+const ORDERS_BATCHES: usize = 8;
+
+/// Ratios of the model with direct light alone, and with all light between the yarns. After `traced` batches, fewer than the
+/// study has, there are fewer here too.
+fn orders(plan: &Plan, traced: usize) -> Result<[ColourRatios; 2], RunError> {
+    let batches = ORDERS_BATCHES.min(plan.direct_effort.batches);
+    let study = &plan.study.trace;
+    let scaled = |paths: u64| {
+        let paths = paths / ORDERS_SHARE * traced.min(plan.direct_effort.batches) as u64;
+        (paths / plan.direct_effort.batches as u64).max(batches as u64)
+    };
+    let effort = Effort::new(plan.study.seed, batches, scaled(study.paths_direct))?;
+    let tracer = DirectTracer::new(&plan.yarn, plan.factor_grid, effort, None)?;
+    let particles = scaled(study.particles).div_ceil(batches as u64) as usize;
+    let between = LightBetween::new(plan, usize::MAX, particles)?;
+    let lit = lit_views(plan, &[NORMAL]);
+    let [mut direct, mut all] = [Vec::new(), Vec::new()];
+    for batch in 0..batches {
+        let table = tracer.batch(batch).radiance_factor;
+        let sunlit = CameraBatch::trace(plan, &[NORMAL], batch).shade(&table);
+        let mut whole = sunlit.clone();
+        for of in between.brightness(&table, &lit, batch)? {
+            for (sum, beta) in whole.iter_mut().flatten().zip(of.beta.iter().flatten()) {
+                *sum += beta;
+            }
+        }
+        direct.push(sunlit);
+        all.push(whole);
+    }
+    let ratios = |diffuse| diffuse_ratios(&plan.colour, &SpectralCurves::new(plan, vec![NORMAL], diffuse), 0);
+    Ok([ratios(direct)?, ratios(all)?])
 }
 
 /// Ratios of the model with each of the sweep's values alone in place of the study's. After `traced` batches, fewer than

@@ -1,0 +1,301 @@
+//! Light from yarn to yarn: conservation of energy, the limit of single yarns, an open weave in two other programs, and both
+//! methods against each other.
+
+use rayon::prelude::*;
+use specval::cloth::{CentreLineKind, ClothSpec, Tubes};
+use specval::geometry::Vec3;
+use specval::optics::{Interference, Medium, MediumSpec};
+use specval::rig::{omega_in, omega_out};
+use specval::spectrum::{Spectrum, WavelengthGrid};
+use specval::transport::{Coefficients, Cylinder, Entry, Estimate, Interior, Ledger, Purpose, Roulette, Stream, Walk};
+use specval::woven::{Beam, Bounces, ClothBatch, ClothLedger, Detector, ViewCones, Volumetric};
+use specval::yarn::{DirectTracer, Effort, Estimator, RadianceFactorGrid, SurfaceGrid, Yarn, YarnScatter};
+
+const BATCHES: usize = 24;
+/// |t| of 23 degrees of freedom that one value exceeds with probability 1e-4, and any of 40 with 4e-3.
+const LIMIT: f64 = 4.7;
+
+struct Nothing;
+
+impl Detector for Nothing {
+    fn bins(&self) -> usize {
+        0
+    }
+
+    fn find(&self, _: &Vec3, _: impl FnMut(usize, f64)) {}
+}
+
+/// The preprint's particles without dye, absorption in the host.
+fn medium(nm: Vec<f64>, mu_a_per_mm: f64) -> Medium {
+    let spec = MediumSpec {
+        host_index: Spectrum::Constant(1.557),
+        particle_index: Spectrum::Constant(1.61),
+        particle_kappa: Spectrum::Constant(0.0),
+        host_mu_a_per_mm: Spectrum::Constant(mu_a_per_mm),
+        particle_diameter_nm: 150.0,
+        volume_fraction: 0.14,
+        interference: Interference::Independent,
+    };
+    Medium::new(&spec, &WavelengthGrid::new(nm).unwrap()).unwrap()
+}
+
+fn interior(medium: &Medium) -> Interior<'_> {
+    let coefficients: Vec<Coefficients<'_>> = (0..medium.grid().len())
+        .map(|w| Coefficients {
+            mu_s: medium.mu_s_per_mm()[w],
+            mu_a: medium.mu_a_per_mm()[w],
+            phase: medium.phase(w),
+        })
+        .collect();
+    Interior::new(medium.host_index()[0], &coefficients).unwrap()
+}
+
+fn yarn(medium: Medium, radius_mm: f64) -> Yarn {
+    Yarn {
+        cylinder: Cylinder::new(radius_mm).unwrap(),
+        medium,
+        roulette: Roulette::default(),
+        estimator: Estimator::Shared,
+    }
+}
+
+fn open_weave() -> Tubes {
+    Tubes::new(&ClothSpec {
+        centre_line: CentreLineKind::Sinusoid { amplitude_mm: 0.126 },
+        warp_radius_mm: 0.125,
+        weft_radius_mm: 0.125,
+        warp_spacing_mm: 0.6,
+        weft_spacing_mm: 0.6,
+        ..ClothSpec::default()
+    })
+    .unwrap()
+}
+
+fn volumetric<D: Detector>(
+    tubes: &Tubes,
+    medium: &Medium,
+    theta_deg: f64,
+    detector: &D,
+    particles: usize,
+) -> Vec<ClothBatch> {
+    let interior = interior(medium);
+    let light = Volumetric {
+        tubes,
+        interiors: [&interior, &interior],
+        roulette: Roulette::default(),
+        surface_reflection: true,
+        seed: 1,
+    };
+    let beam = Beam {
+        omega_in: omega_in(theta_deg, 0.0),
+        number: 0,
+    };
+    (0..BATCHES)
+        .into_par_iter()
+        .map(|batch| light.batch(&beam, detector, 0, batch, particles))
+        .collect()
+}
+
+fn bounces(tubes: &Tubes, yarn: &Yarn, theta_deg: f64, paths: u64, particles: usize) -> Vec<ClothBatch> {
+    let grid = RadianceFactorGrid::new(10, SurfaceGrid::new(36, 12, 24).unwrap()).unwrap();
+    let tracer = DirectTracer::new(yarn, grid, Effort::new(1, BATCHES, paths).unwrap(), None).unwrap();
+    let beam = Beam {
+        omega_in: omega_in(theta_deg, 0.0),
+        number: 0,
+    };
+    (0..BATCHES)
+        .map(|batch| {
+            let table = tracer.batch(batch).radiance_factor;
+            let scatter = YarnScatter::new(yarn, grid, &table).unwrap();
+            let light = Bounces {
+                tubes,
+                yarns: [yarn; 2],
+                scatter: [&scatter; 2],
+                surface_reflection: true,
+                most: usize::MAX,
+                seed: 1,
+            };
+            light.batch(&beam, &Nothing, batch, particles)
+        })
+        .collect()
+}
+
+fn estimate(batches: &[ClothBatch], wavelength: usize, of: impl Fn(&ClothLedger) -> f64) -> Estimate {
+    Estimate::from_batches(batches.iter().map(|batch| of(&batch.ledger[wavelength])))
+}
+
+fn z(a: Estimate, b: Estimate) -> f64 {
+    (a.value - b.value) / a.se.hypot(b.se)
+}
+
+/// A cloth of yarns that absorb nothing loses nothing: what leaves above, below and through the gaps is the beam. Of light
+/// traced through the medium exactly so in the mean; of light scattered by f* to the error of its table.
+/// False alarms: 8 values, 1e-3 together.
+#[test]
+fn a_white_cloth_loses_no_light() {
+    let tubes = Tubes::new(&ClothSpec::default()).unwrap();
+    let yarn = yarn(medium(vec![450.0, 650.0], 0.0), 0.15);
+    for theta_deg in [0.0, 60.0] {
+        let traced = volumetric(&tubes, &yarn.medium, theta_deg, &Nothing, 1000);
+        let scattered = bounces(&tubes, &yarn, theta_deg, 100_000, 1000);
+        for w in 0..2 {
+            for (batches, table) in [(&traced, 0.0), (&scattered, 1e-3)] {
+                for batch in batches {
+                    assert!(batch.ledger[w].residual().abs() < 1e-9, "{:?}", batch.ledger[w]);
+                }
+                let out = estimate(batches, w, |l| l.reflected + l.transmitted());
+                println!("{theta_deg} deg: {:.5} ± {:.5} leaves", out.value, out.se);
+                assert!((out.value - 1.0).abs() <= LIMIT * out.se + table, "{out:?}");
+                let absorbed = estimate(batches, w, |l| l.absorbed);
+                assert!(absorbed.value.abs() <= LIMIT * absorbed.se + table, "{absorbed:?}");
+            }
+        }
+    }
+}
+
+/// Of yarns 80 diameters apart hardly any light meets a second one: what a straight cylinder makes of a beam across it is what
+/// the cloth makes of the light that its gaps do not let through, up to the light above crossings, whose rest
+/// the second yarn may absorb. False alarms 4e-4.
+#[test]
+fn yarns_far_apart_are_single() {
+    let (radius_mm, spacing_mm) = (0.125, 20.0);
+    let medium = medium(vec![450.0, 650.0], 2.0);
+    let tubes = Tubes::new(&ClothSpec {
+        centre_line: CentreLineKind::Sinusoid { amplitude_mm: 0.126 },
+        warp_radius_mm: radius_mm,
+        weft_radius_mm: radius_mm,
+        warp_spacing_mm: spacing_mm,
+        weft_spacing_mm: spacing_mm,
+        ..ClothSpec::default()
+    })
+    .unwrap();
+    let cylinder = Cylinder::new(radius_mm).unwrap();
+    let interior = interior(&medium);
+    let walk = Walk {
+        shape: &cylinder,
+        interior: &interior,
+        roulette: Roulette::default(),
+    };
+    let single: Vec<Vec<Ledger>> = (0..BATCHES)
+        .map(|batch| {
+            let paths = 2000;
+            let traced = walk.trace(
+                Stream::open(1, Purpose::Validation, 0, batch, 0),
+                paths,
+                |[across, ..]| {
+                    let h = 2.0 * across - 1.0;
+                    let normal = Vec3::new(h, 0.0, (1.0 - h * h).sqrt());
+                    Entry {
+                        position: normal * radius_mm,
+                        normal,
+                        omega_in: Vec3::z(),
+                    }
+                },
+                |_| {},
+            );
+            traced.ledgers.iter().map(|l| l.scaled(1.0 / paths as f64)).collect()
+        })
+        .collect();
+    let cloth = volumetric(&tubes, &medium, 0.0, &Nothing, 100_000);
+    let covered = 2.0 * radius_mm / spacing_mm;
+    let twice = covered / (2.0 - covered);
+    for w in 0..2 {
+        let alone = Estimate::from_batches(single.iter().map(|l| l[w].absorbed));
+        let woven = estimate(&cloth, w, |l| l.absorbed / (1.0 - l.through_gaps));
+        println!(
+            "absorbed {:.4} ± {:.4}, woven {:.4} ± {:.4}",
+            alone.value, alone.se, woven.value, woven.se
+        );
+        assert!((alone.value - woven.value).abs() <= LIMIT * alone.se.hypot(woven.se) + twice * (1.0 - alone.value));
+    }
+}
+
+#[derive(serde::Deserialize)]
+struct Row {
+    theta_i_deg: f64,
+    view_deg: f64,
+    bf: f64,
+    se: f64,
+}
+
+fn rows(file: &str) -> Vec<Row> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(file).unwrap();
+    reader.deserialize().map(|row| row.unwrap()).collect()
+}
+
+/// The open weave of two other programs, at 650 nm with μ_a 2/mm. False alarms: at most 42 values, 4e-3 together.
+///
+/// The published run (tests/data/cloth_open_weave.csv) lacks most of the light that enters a yarn, meets no particle, is totally
+/// reflected inside, which the bend of the yarn allows, and leaves upwards; the second one, written for the purpose, has it,
+/// and so has the published program when it is run again on this weave (docs/between.md). So the published R, and of 30° the views from 20°
+/// on, where that light goes, are not compared; all else is.
+#[test]
+fn an_open_weave_is_that_of_two_other_programs() {
+    let medium = medium(vec![650.0], 2.0);
+    let tubes = open_weave();
+    let published = rows("tests/data/cloth_open_weave.csv");
+    let second = rows("tests/data/cloth_open_weave_second.csv");
+    let totals = [
+        // T, A of the published run at 0°; R, T of the second at 30°.
+        (0.0, [None, Some((0.575047, 1.0e-4)), Some((0.373868, 1.0e-4))]),
+        (30.0, [Some((0.06362, 1.1e-4)), Some((0.51259, 2.3e-4)), None]),
+    ];
+    for (theta_deg, total) in totals {
+        let views: Vec<f64> = (-6..=7).map(|k| 10.0 * f64::from(k)).collect();
+        let cones = ViewCones::new(views.iter().map(|v| omega_out(*v, 0.0)).collect(), 5f64.to_radians());
+        let batches = volumetric(&tubes, &medium, theta_deg, &cones, 12_000);
+        let of: [fn(&ClothLedger) -> f64; 3] = [|l| l.reflected, ClothLedger::transmitted, |l| l.absorbed];
+        for (of, total) in of.into_iter().zip(total) {
+            let here = estimate(&batches, 0, of);
+            println!("{theta_deg} deg: {:.5} ± {:.5} of {total:?}", here.value, here.se);
+            if let Some((value, se)) = total {
+                assert!(z(here, Estimate { value, se }).abs() <= LIMIT);
+            }
+        }
+        let comparable = |row: &&Row| row.theta_i_deg == 0.0 || row.view_deg <= 10.0;
+        for row in published.iter().filter(comparable).chain(&second) {
+            if row.theta_i_deg != theta_deg {
+                continue;
+            }
+            let k = views.iter().position(|v| *v == row.view_deg).unwrap();
+            let per_caught = std::f64::consts::PI / cones.projected_solid_angle(k);
+            let here = Estimate::from_batches(batches.iter().map(|b| per_caught * b.caught[k][0]));
+            let there = Estimate {
+                value: row.bf,
+                se: row.se,
+            };
+            println!(
+                "{theta_deg} {}: {:.4} ± {:.4}, {:.4}",
+                row.view_deg, here.value, here.se, row.bf
+            );
+            assert!(z(here, there).abs() <= LIMIT, "{} deg", row.view_deg);
+        }
+    }
+}
+
+/// Light that goes from yarn to yarn by f* comes back as light traced through the medium does, to 5 % where a yarn absorbs much of
+/// what it scatters; the docs give more. False alarms: 2 values, 2e-4.
+#[test]
+fn both_methods_agree_where_light_stays_near_its_entry() {
+    let tubes = Tubes::new(&ClothSpec::default()).unwrap();
+    let yarn = yarn(medium(vec![450.0, 550.0], 20.0), 0.15);
+    let traced = volumetric(&tubes, &yarn.medium, 0.0, &Nothing, 8000);
+    let scattered = bounces(&tubes, &yarn, 0.0, 1_000_000, 8000);
+    for w in 0..2 {
+        let [a, b] = [&traced, &scattered].map(|batches| estimate(batches, w, |l| l.reflected));
+        println!(
+            "R {:.5} ± {:.5} traced, {:.5} ± {:.5} by f*",
+            a.value, a.se, b.value, b.se
+        );
+        assert!((a.value - b.value).abs() <= LIMIT * a.se.hypot(b.se) + 0.05 * a.value);
+    }
+}
+
+/// The same batch is the same bits whatever was traced before, and another batch is another.
+#[test]
+fn batches_are_reproducible() {
+    let medium = medium(vec![650.0], 2.0);
+    let tubes = open_weave();
+    let [a, b] = [(); 2].map(|()| volumetric(&tubes, &medium, 30.0, &Nothing, 200));
+    assert!(a == b && a[0] != a[1]);
+}
