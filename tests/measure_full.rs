@@ -36,7 +36,7 @@ fn coarse() -> Cells {
 /// Independent repetitions of a measurement of `batches` batches each.
 fn repeated(plan: &Plan, cells: &Cells, group: &[Symmetry], back: bool, batches: usize, from: usize) -> Vec<FullBsdf> {
     const REPETITIONS: usize = 12;
-    let cloth = VolumetricCloth::new(plan, PARTICLES).unwrap();
+    let cloth = VolumetricCloth::new(plan, PARTICLES, true).unwrap();
     (from..from + REPETITIONS)
         .map(|k| {
             let (cells, group) = (cells.clone(), group.to_vec());

@@ -82,6 +82,7 @@ fn volumetric<D: Detector>(
     let light = Volumetric {
         tubes,
         interiors: [&interior, &interior],
+        backing: None,
         roulette: Roulette::default(),
         surface_reflection: true,
         seed: 1,
@@ -94,6 +95,48 @@ fn volumetric<D: Detector>(
         .into_par_iter()
         .map(|batch| light.batch(&beam, detector, 0, batch, particles))
         .collect()
+}
+
+/// A white cloth on a white plane sends every ray back; on a black one all that gets through is absorbed.
+/// False alarms 1e-4.
+#[test]
+fn a_white_cloth_on_white_sends_all_light_back() {
+    let tubes = Tubes::new(&ClothSpec::default()).unwrap();
+    let medium = medium(vec![450.0, 650.0], 0.0);
+    let interior = interior(&medium);
+    let beam = Beam {
+        omega_in: omega_in(30.0, 0.0),
+        number: 0,
+    };
+    let on = |backing: [f64; 2]| -> Vec<ClothBatch> {
+        let light = Volumetric {
+            tubes: &tubes,
+            interiors: [&interior, &interior],
+            backing: Some(&backing),
+            roulette: Roulette::default(),
+            surface_reflection: true,
+            seed: 1,
+        };
+        (0..BATCHES)
+            .into_par_iter()
+            .map(|batch| light.batch(&beam, &Nothing, 0, batch, 1000))
+            .collect()
+    };
+    let (white, black) = (on([1.0, 1.0]), on([0.0, 0.0]));
+    for w in 0..2 {
+        let back = estimate(&white, w, |l| l.reflected);
+        assert!((back.value - 1.0).abs() <= LIMIT * back.se, "{back:?}");
+        for batch in white.iter().chain(&black) {
+            let ledger = batch.ledger[w];
+            assert!(
+                ledger.residual().abs() < 1e-9 && ledger.transmitted() == 0.0,
+                "{ledger:?}"
+            );
+        }
+        assert!(white.iter().all(|b| b.ledger[w].absorbed == 0.0));
+        let absorbed = estimate(&black, w, |l| l.absorbed);
+        assert!(absorbed.value > 0.3 && absorbed.value < 1.0 - 10.0 * absorbed.se);
+    }
 }
 
 fn bounces(tubes: &Tubes, yarn: &Yarn, theta_deg: f64, paths: u64, particles: usize) -> Vec<ClothBatch> {
@@ -111,6 +154,7 @@ fn bounces(tubes: &Tubes, yarn: &Yarn, theta_deg: f64, paths: u64, particles: us
                 tubes,
                 yarns: [yarn; 2],
                 scatter: [&scatter; 2],
+                backing: None,
                 surface_reflection: true,
                 most: usize::MAX,
                 seed: 1,

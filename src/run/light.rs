@@ -2,6 +2,7 @@ use super::{Plan, RunError};
 use crate::cloth::Tubes;
 use crate::compare::Geometry;
 use crate::rig::{omega_in, omega_out};
+use crate::spectrum::Samples;
 use crate::study::SurfaceChoice;
 use crate::woven::{Beam, Bounces, ClothBatch, ClothLedger, Detector, ViewCones, Volumetric};
 use crate::yarn::{Sharing, YarnScatter};
@@ -54,6 +55,7 @@ pub struct VolumetricCloth<'a> {
     plan: &'a Plan,
     particles: usize,
     surface_reflection: bool,
+    backing: Option<&'a [f64]>,
 }
 
 impl<'a> VolumetricCloth<'a> {
@@ -61,11 +63,20 @@ impl<'a> VolumetricCloth<'a> {
     pub fn new(plan: &'a Plan, particles: usize, surface_reflection: bool) -> Result<Self, RunError> {
         Ok(Self {
             surface_reflection,
+            backing: None,
             tubes: Tubes::new(&plan.cloth_spec)?,
             sharing: plan.yarn.sharing()?,
             plan,
             particles,
         })
+    }
+
+    /// On the study's backing.
+    pub fn on_backing(self) -> Self {
+        Self {
+            backing: self.plan.backing.as_ref().map(Samples::values),
+            ..self
+        }
     }
 
     /// One batch of a beam, of all wavelengths of the study.
@@ -78,6 +89,9 @@ impl<'a> VolumetricCloth<'a> {
             let light = Volumetric {
                 tubes: &self.tubes,
                 interiors: [interior, interior],
+                backing: self
+                    .backing
+                    .map(|values| &values[*first..*first + interior.wavelengths()]),
                 roulette: self.plan.yarn.roulette,
                 surface_reflection: self.surface_reflection,
                 seed: self.plan.study.seed,
@@ -147,6 +161,7 @@ impl<'a> LightBetween<'a> {
             tubes: &self.tubes,
             yarns: [&plan.yarn; 2],
             scatter: [&scatter; 2],
+            backing: plan.backing.as_ref().map(Samples::values),
             surface_reflection: plan.study.specular.surface == SurfaceChoice::Yarn,
             most: self.most,
             seed: plan.study.seed,

@@ -30,6 +30,10 @@ pub enum RunError {
     /// A table that stands for the dye or a number of `[medium]`: not there, no table of a spectrum, or not over the study's wavelengths.
     #[error("`medium.{key}`: {source}")]
     Table { key: &'static str, source: SpectrumError },
+    #[error(
+        "`cloth.backing`: {source}; take \"none\", \"black\", \"white\" or the path of a spectrum of reflectances from 0 to 1"
+    )]
+    Backing { source: SpectrumError },
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
     #[error(transparent)]
@@ -90,6 +94,8 @@ pub struct Plan {
     pub factor_grid: RadianceFactorGrid,
     pub direct_effort: Effort,
     pub cloth_spec: ClothSpec,
+    /// Reflectance of what lies under the cloth; `None` where light goes on.
+    pub backing: Option<Samples>,
     pub cloth: Cloth,
     pub specular: Specular,
     pub rig: Rig,
@@ -116,6 +122,7 @@ impl Plan {
         inputs.extend(colour_files(&convention));
         let weave = weave(&study, &mut inputs)?;
         let cloth_spec = cloth_spec(&study, weave);
+        let backing = backing(&study.cloth.backing, &grid, &mut inputs)?;
         let trace = &study.trace;
         let effort = |paths| Effort::new(study.seed, trace.batches as usize, paths);
         let specular = &study.specular;
@@ -129,6 +136,7 @@ impl Plan {
             direct_effort: effort(trace.paths_direct)?,
             cloth: Cloth::new(&cloth_spec)?,
             cloth_spec,
+            backing,
             specular: Specular::new(
                 match specular.distribution {
                     DistributionChoice::Beckmann => Distribution::Beckmann,
@@ -382,6 +390,25 @@ fn weave(study: &Study, inputs: &mut Vec<InputDigest>) -> Result<Weave, RunError
     drawdown.extend(crossings.map(|(i, j)| if draft.warp_on_top(i, j) { b'X' } else { b'.' }));
     inputs.push(InputDigest::of(format!("draft {path}"), &drawdown));
     Ok(Weave::Custom(draft.draft()?))
+}
+
+/// A word, or a file of reflectances from 0 to 1.
+fn backing(of: &str, grid: &WavelengthGrid, inputs: &mut Vec<InputDigest>) -> Result<Option<Samples>, RunError> {
+    let even = |reflectance| Samples::new(of, grid, vec![reflectance; grid.len()]);
+    match of {
+        "none" => return Ok(None),
+        "black" => return Ok(Some(even(0.0)?)),
+        "white" => return Ok(Some(even(1.0)?)),
+        _ => {}
+    }
+    let reflectance = read_spectrum(Path::new(of), 0.0..=1.0)
+        .and_then(|spectrum| spectrum.on(grid))
+        .map_err(|source| RunError::Backing { source })?;
+    inputs.push(InputDigest::of(
+        format!("backing {of}"),
+        &le_bytes(reflectance.values()),
+    ));
+    Ok(Some(reflectance))
 }
 
 fn cloth_spec(study: &Study, weave: Weave) -> ClothSpec {

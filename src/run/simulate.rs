@@ -33,7 +33,7 @@ pub struct Simulator<'a> {
 /// How the light of a batch is simulated.
 enum Light<'a> {
     /// f* in the sun, and, where it is asked for, what goes on from yarn to yarn.
-    RadianceFactor(Shading<'a>, Option<LightBetween<'a>>),
+    RadianceFactor(Box<Shading<'a>>, Option<LightBetween<'a>>),
     Volumetric(VolumetricCloth<'a>),
 }
 
@@ -67,19 +67,24 @@ impl<'a> Simulator<'a> {
         let batches = u64::from(plan.study.trace.batches);
         let of_batch = |particles: u64| particles.div_ceil(batches) as usize;
         let most = plan.study.cloth.bounces.most();
-        let goes_on = most > 0 || plan.study.specular.surface == SurfaceChoice::Yarn;
+        let shines = plan.study.specular.surface == SurfaceChoice::Yarn;
+        let goes_on = most > 0
+            || shines
+            || plan
+                .backing
+                .as_ref()
+                .is_some_and(|b| b.values().iter().any(|r| *r > 0.0));
         let light = match plan.study.cloth.method {
             MethodChoice::RadianceFactor => {
                 let between = LightBetween::new(plan, most, of_batch(plan.study.trace.particles));
-                Light::RadianceFactor(shading()?, goes_on.then_some(between).transpose()?)
+                Light::RadianceFactor(Box::new(shading()?), goes_on.then_some(between).transpose()?)
             }
             MethodChoice::Volumetric => {
                 let particles = of_batch(plan.study.trace.particles_volumetric);
-                Light::Volumetric(VolumetricCloth::new(
-                    plan,
-                    particles,
-                    plan.study.specular.surface == SurfaceChoice::Yarn,
-                )?)
+                Light::Volumetric(
+                    VolumetricCloth::new(plan, particles, plan.study.specular.surface == SurfaceChoice::Yarn)?
+                        .on_backing(),
+                )
             }
         };
         Ok(Self {
@@ -123,7 +128,7 @@ impl<'a> Simulator<'a> {
         let ledgers = self.energy.batch(batch).ledgers;
         let (mut diffuse, followed) = match &self.light {
             Light::RadianceFactor(shading, between) => {
-                let table = match shading {
+                let table = match &**shading {
                     Shading::Direct(tracer) => tracer.batch(batch).radiance_factor,
                     Shading::Bssrdf(tracer) => tracer.batch(batch).radiance_factor,
                 };

@@ -459,6 +459,12 @@ pub(super) const SECTIONS: &[Section] = &[
                 "Yarns that light may go on to after the first it met, where yarns scatter by f*; 0 is the preprint's shading.",
             ),
             field(
+                "backing",
+                "",
+                Kind::Text,
+                "What lies under the cloth: \"none\", \"black\", \"white\" (a perfect diffuser), or a path to a spectrum of its reflectance.",
+            ),
+            field(
                 "warp_flattening",
                 "",
                 Kind::Number(closed(0.2, 5.0)),

@@ -100,21 +100,21 @@ fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<De
     let span = value.span();
     let is_number = |v: &DeValue| v.is_float() || v.is_integer();
     let found = value.get_ref();
+    let is_whole = |low: u64, high: u64| {
+        found.as_integer().is_some_and(|integer| {
+            let digits = integer.as_str().replace('_', "");
+            i128::from_str_radix(&digits, integer.radix())
+                .is_ok_and(|i| (i128::from(low)..=i128::from(high)).contains(&i))
+        })
+    };
     let fits = match field.kind {
         Kind::Number(_) => is_number(found),
         Kind::NumberOrTable(_) => is_number(found) || found.is_str(),
         Kind::Numbers(..) => found
             .as_array()
             .is_some_and(|list| list.iter().all(|v| is_number(v.get_ref()))),
-        Kind::Integer(low, high) => match found.as_integer() {
-            Some(integer) => {
-                let digits = integer.as_str().replace('_', "");
-                i128::from_str_radix(&digits, integer.radix())
-                    .is_ok_and(|i| (i128::from(low)..=i128::from(high)).contains(&i))
-            }
-            None => false,
-        },
-        Kind::IntegerOr(_, _, word) => found.is_integer() || found.as_str() == Some(word),
+        Kind::Integer(low, high) => is_whole(low, high),
+        Kind::IntegerOr(low, high, word) => is_whole(low, high) || found.as_str() == Some(word),
         Kind::Flag => found.is_bool(),
         Kind::Text => found.is_str(),
         Kind::Choice(choices) => found.as_str().is_some_and(|s| choices.contains(&s)),

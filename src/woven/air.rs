@@ -21,6 +21,8 @@ pub(super) struct Queue {
 /// The air between and around the yarns: takes light that leaves a yarn to the next, or out of the cloth.
 pub(super) struct Air<'a, D, R> {
     tubes: &'a Tubes,
+    /// Reflectance of a perfectly rough plane right under the cloth, at each wavelength.
+    backing: Option<&'a [f64]>,
     detector: &'a D,
     rng: R,
     wavelengths: usize,
@@ -28,6 +30,8 @@ pub(super) struct Air<'a, D, R> {
     /// Sums over particles, by wavelength, in the order of [`ClothLedger::fractions`].
     sums: Vec<[f64; ClothLedger::FRACTIONS]>,
     caught: Vec<Vec<f64>>,
+    /// What the backing sends back of the light in hand.
+    sent_back: Vec<f64>,
     /// Whether the detector is to catch light that a yarn has just scattered too, or only what a surface sent on.
     catch_scattered: bool,
     light_above: bool,
@@ -40,9 +44,18 @@ const ABSORBED: usize = 3;
 const GAMES: usize = 4;
 
 impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
-    pub fn new(tubes: &'a Tubes, detector: &'a D, catch_scattered: bool, rng: R, wavelengths: usize) -> Self {
+    pub fn new(
+        tubes: &'a Tubes,
+        backing: Option<&'a [f64]>,
+        detector: &'a D,
+        catch_scattered: bool,
+        rng: R,
+        wavelengths: usize,
+    ) -> Self {
         Self {
             tubes,
+            backing,
+            sent_back: vec![0.0; wavelengths],
             detector,
             rng,
             wavelengths,
@@ -68,6 +81,10 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             let origin = Vec3::new(x * cell_x, y * cell_y, 0.0) + away;
             match self.tubes.first_hit(origin, -omega_in) {
                 Some(hit) => self.queue(hit, *omega_in, std::iter::repeat_n(1.0, self.wavelengths)),
+                None if self.backing.is_some() => {
+                    let all = vec![1.0; self.wavelengths];
+                    self.meet_backing(origin, -omega_in, &all);
+                }
                 None => self.sums.iter_mut().for_each(|sums| sums[THROUGH_GAPS] += 1.0),
             }
         }
@@ -87,7 +104,11 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
     /// parts the light of each is split into. `scattered` if particles of the medium sent it here, not a surface.
     pub fn launch(&mut self, origin: Vec3, direction: Vec3, weights: &[f64], scattered: bool) {
         let Some(hit) = self.tubes.first_hit(origin, direction) else {
-            self.escape(&direction, weights, scattered);
+            if self.backing.is_some() && (direction.z > 0.0) != self.light_above {
+                self.meet_backing(origin, direction, weights);
+            } else {
+                self.escape(&direction, weights, scattered);
+            }
             return;
         };
         let mean = weights.iter().sum::<f64>() / self.wavelengths as f64;
@@ -106,6 +127,32 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         if survives {
             self.queue(hit, -direction, weights.iter().map(|weight| (worth * weight) as f32));
         }
+    }
+
+    /// The backing lies at the height of the cloth's lowest points and sends light back as a perfect diffuser of its reflectance;
+    /// the rest is absorbed.
+    fn meet_backing(&mut self, origin: Vec3, direction: Vec3, weights: &[f64]) {
+        let Some(reflectance) = self.backing else {
+            return;
+        };
+        let up = if self.light_above { 1.0 } else { -1.0 };
+        let height = -up * self.tubes.top_mm();
+        let position = origin + direction * ((height - origin.z) / direction.z).max(0.0);
+        let mut sent_back = std::mem::take(&mut self.sent_back);
+        for ((back, weight), (sums, reflectance)) in sent_back
+            .iter_mut()
+            .zip(weights)
+            .zip(self.sums.iter_mut().zip(reflectance))
+        {
+            *back = weight * reflectance;
+            sums[ABSORBED] += weight - *back;
+        }
+        let (sin2, around): (f64, f64) = (self.rng.random(), self.rng.random::<f64>() * std::f64::consts::TAU);
+        let sin = sin2.sqrt();
+        let diffuse = Vec3::new(sin * around.cos(), sin * around.sin(), up * (1.0 - sin2).sqrt());
+        // No density is worked out for the views, so the cones catch it.
+        self.launch(position, diffuse, &sent_back, false);
+        self.sent_back = sent_back;
     }
 
     fn queue(&mut self, hit: TubeHit, omega_in: Vec3, weights: impl Iterator<Item = f32>) {

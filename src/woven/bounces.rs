@@ -20,6 +20,8 @@ pub struct Bounces<'a> {
     /// Of warp and weft, with the same wavelengths.
     pub yarns: [&'a Yarn; 2],
     pub scatter: [&'a YarnScatter; 2],
+    /// Reflectance, at each wavelength, of a rough plane under the cloth.
+    pub backing: Option<&'a [f64]>,
     /// Whether light that the yarns' smooth surface reflects goes on. If not, it counts as absorbed.
     pub surface_reflection: bool,
     /// Yarns that light may go on to after the first it met; what would go on further counts as absorbed.
@@ -90,7 +92,14 @@ impl Bounces<'_> {
         let first = 2 * usize::from(views.is_empty());
         let stream = |number| Stream::open(self.seed, Purpose::Bounces, beam.number, batch, first + number);
         let wavelengths = self.yarns[0].medium.grid().len();
-        let mut air = Air::new(self.tubes, detector, catch_scattered, stream(0), wavelengths);
+        let mut air = Air::new(
+            self.tubes,
+            self.backing,
+            detector,
+            catch_scattered,
+            stream(0),
+            wavelengths,
+        );
         let mut rng = stream(1);
         let mut parts = Parts::new(wavelengths);
         air.shine(&beam.omega_in, particles);

@@ -35,6 +35,8 @@ pub struct Volumetric<'a> {
     pub tubes: &'a Tubes,
     /// Media of warp and weft, with the same wavelengths.
     pub interiors: [&'a Interior<'a>; 2],
+    /// Reflectance, at each wavelength, of a rough plane under the cloth.
+    pub backing: Option<&'a [f64]>,
     pub roulette: Roulette,
     /// Whether light that the yarns' smooth surface reflects on its way in goes on. If not, it counts as absorbed, which is
     /// the cloth of f* without gloss.
@@ -62,7 +64,7 @@ impl Volumetric<'_> {
             Stream::open(self.seed, Purpose::Woven, beam.number, batch, stream_number)
         };
         let wavelengths = self.interiors[0].wavelengths();
-        let air = RefCell::new(Air::new(self.tubes, detector, true, next(), wavelengths));
+        let air = RefCell::new(Air::new(self.tubes, self.backing, detector, true, next(), wavelengths));
         air.borrow_mut().shine(&beam.omega_in, particles);
         while !air.borrow().is_empty() {
             for (system, interior) in [System::Warp, System::Weft].into_iter().zip(self.interiors) {
