@@ -1,5 +1,6 @@
 use super::{Failure, Options, Stopping, Terminal, recorded_command, study};
-use specval::report::{OutputFolder, render, report_json, summary};
+use serde::Serialize;
+use specval::report::{NamedFile, OutputFolder, render, report_json, summary};
 use specval::run::{self, Plan, Simulator, StateFile, Watch};
 use specval::study::Study;
 use std::path::PathBuf;
@@ -17,6 +18,9 @@ pub struct Arguments {
     /// A twentieth of the paths and a ninth of the camera rays: seconds instead of minutes, wider error bands.
     #[arg(long)]
     quick: bool,
+    /// Compare the ways to follow light in the cloth, each with the study's effort: approximations.csv and locality.csv. Minutes.
+    #[arg(long)]
+    approximations: bool,
     /// Measured sample instead of the study's: a built-in name, a folder or a CSV file.
     #[arg(long, value_name = "SAMPLE")]
     measured: Option<String>,
@@ -50,7 +54,15 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let command = recorded_command(std::env::args());
     let data = run::report(&plan, &simulation, command, notices, &|share| measuring.advance(share))?;
     measuring.finish();
-    folder.write(&render(&data)?)?;
+    let mut files = render(&data)?;
+    if arguments.approximations {
+        let comparing = terminal.progress("comparing approximations");
+        let rows = run::approximations(&plan, &|share| comparing.advance(share))?;
+        comparing.finish();
+        files.push(table("approximations.csv", &rows)?);
+        files.push(table("locality.csv", &run::locality(&plan)?)?);
+    }
+    folder.write(&files)?;
     state.remove()?;
     if options.json {
         return terminal.print(&report_json(&data)?);
@@ -60,6 +72,17 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         summary(&data).trim_end(),
         folder.path().display()
     ))
+}
+
+fn table<T: Serialize>(name: &str, rows: &[T]) -> Result<NamedFile, Failure> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        csv.serialize(row)?;
+    }
+    Ok(NamedFile {
+        name: name.to_owned(),
+        bytes: csv.into_inner()?,
+    })
 }
 
 fn quicken(study: &mut Study) {

@@ -1,5 +1,6 @@
 //! A whole study: every stage in turn, from the study's values to the report's data.
 
+mod approximations;
 mod artefact;
 mod batches;
 mod camera;
@@ -15,6 +16,7 @@ mod stop;
 mod trace;
 mod watch;
 
+pub use approximations::{ApproximationRow, LocalityRow, approximations, locality};
 pub use artefact::{
     LengthTable, MediumValues, Shard, ShardError, Systematic, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings,
     merge_shards, trace_shard,

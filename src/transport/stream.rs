@@ -13,6 +13,7 @@ pub enum Purpose {
     Woven = 7,
     Bounces = 8,
     Incidence = 9,
+    Locality = 10,
 }
 
 /// The one source of random numbers: each (seed, purpose, direction, batch, wavelength) has a stream of its own,

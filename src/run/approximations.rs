@@ -1,0 +1,193 @@
+use super::curves::{channels, directions};
+use super::report::{NORMAL, report_geometries};
+use super::{Plan, Progress, RunError, Simulator, SpectralCurves};
+use crate::compare::{Channel, Channels};
+use crate::geometry::Vec3;
+use crate::sample::Reading;
+use crate::shading::Classical;
+use crate::study::{Bounces, MethodChoice, Study};
+use crate::transport::{Entry, Estimate, Purpose, Stream, Walk};
+use crate::yarn::Sharing;
+use serde::Serialize;
+use std::iter::zip;
+
+/// Mean brightness factor over the views of one incidence, by one way to shade or to measure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ApproximationRow {
+    pub theta_i_deg: f64,
+    pub channel: Channel,
+    /// `classical`, `direct` (f* in the sun alone), `all-bounces` (f* from yarn to yarn), `volumetric` or `measured`.
+    pub source: &'static str,
+    /// Not normalised.
+    pub mean_beta: f64,
+    pub mean_beta_se: f64,
+    pub over_volumetric: f64,
+    pub over_volumetric_se: f64,
+}
+
+/// How far along the yarn scattered light leaves from where it came in.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LocalityRow {
+    pub wavelength_nm: f64,
+    /// Fractions of the scattered light that leave farther away than half the distance of neighbouring crossings, than all of it,
+    /// and than 8 yarn radii.
+    pub beyond_half_spacing: f64,
+    pub beyond_half_spacing_se: f64,
+    pub beyond_spacing: f64,
+    pub beyond_spacing_se: f64,
+    pub beyond_8_radii: f64,
+    pub beyond_8_radii_se: f64,
+}
+
+/// The study with one way to follow light in the cloth.
+fn variant(study: &Study, method: MethodChoice, bounces: Bounces) -> Study {
+    let mut study = study.clone();
+    study.cloth.method = method;
+    study.cloth.bounces = bounces;
+    study
+}
+
+/// What each approximation of the light in the cloth costs, with the study's effort for each.
+pub fn approximations(plan: &Plan, progress: Progress) -> Result<Vec<ApproximationRow>, RunError> {
+    let geometries = report_geometries(plan);
+    let of = |geometry: usize| geometries[geometry].theta_i_deg;
+    let simulated = |method, bounces| -> Result<Vec<Vec<Channels>>, RunError> {
+        let plan = Plan::new(variant(&plan.study, method, bounces))?;
+        let simulator = Simulator::new(&plan, geometries.clone())?;
+        let mut diffuse = Vec::new();
+        for batch in 0..plan.direct_effort.batches {
+            diffuse.push(simulator.batch(batch)?.diffuse);
+            progress(1.0 / (3 * plan.direct_effort.batches) as f64);
+        }
+        Ok(SpectralCurves::new(&plan, geometries.clone(), diffuse).channels(&plan.colour, true))
+    };
+    let volumetric = simulated(MethodChoice::Volumetric, Bounces::ALL)?;
+    let direct = simulated(MethodChoice::RadianceFactor, Bounces::Most(0))?;
+    let all = simulated(MethodChoice::RadianceFactor, Bounces::ALL)?;
+    let mut readings: Vec<Option<Reading>> = Vec::new();
+    for g in &geometries {
+        readings.push(
+            plan.sample
+                .reading(g.theta_i_deg, g.theta_v_deg, plan.colour.convention())?,
+        );
+    }
+    let measured = readings.iter().map(|r| r.as_ref().map(|r| r.beta));
+    let measured: Option<Vec<Channels>> = measured.collect();
+    let white = channels(&plan.colour, &vec![1.0; plan.grid.len()]);
+    let normal = geometries.iter().position(|g| *g == NORMAL);
+    let classical = match normal.and_then(|normal| readings[normal].as_ref()) {
+        None => None,
+        Some(reading) => {
+            let shading = Classical::new(reading.beta, plan.specular)?;
+            let shaded = geometries.iter().map(|g| {
+                let (omega_in, omega_out) = directions(plan, *g);
+                shading.brightness_factor(&omega_in, &omega_out, &white)
+            });
+            Some(shaded.collect::<Vec<Channels>>())
+        }
+    };
+    let once = |values: Option<Vec<Channels>>| values.map(|values| vec![values]);
+    let sources = [
+        ("classical", once(classical)),
+        ("direct", Some(direct)),
+        ("all-bounces", Some(all)),
+        ("volumetric", Some(volumetric.clone())),
+        ("measured", once(measured)),
+    ];
+    let mut rows = Vec::new();
+    for &theta_i_deg in plan.rig.incidences_deg() {
+        let views: Vec<usize> = (0..geometries.len()).filter(|&g| of(g) == theta_i_deg).collect();
+        for channel in Channel::ALL {
+            let mean = |batches: &[Vec<Channels>]| {
+                let share = 1.0 / views.len() as f64;
+                let of_batch = |batch: &Vec<Channels>| views.iter().map(|&g| share * batch[g][channel as usize]).sum();
+                let means: Vec<f64> = batches.iter().map(of_batch).collect();
+                Estimate::from_batches(means.into_iter())
+            };
+            let reference = mean(&volumetric);
+            for (source, batches) in &sources {
+                let Some(batches) = batches else { continue };
+                let Estimate { value, se } = mean(batches);
+                let ratio = value / reference.value;
+                let relative = match *source {
+                    "volumetric" => 0.0,
+                    _ => (se / value).hypot(reference.se / reference.value),
+                };
+                rows.push(ApproximationRow {
+                    theta_i_deg,
+                    channel,
+                    source,
+                    mean_beta: value,
+                    mean_beta_se: se,
+                    over_volumetric: ratio,
+                    over_volumetric_se: (ratio * relative).abs(),
+                });
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// Batches and paths of each.
+const LOCALITY_BATCHES: usize = 16;
+const LOCALITY_PATHS: usize = 4000;
+
+/// Shares of the scattered light of a beam across a straight yarn, by the distance along it.
+pub fn locality(plan: &Plan) -> Result<Vec<LocalityRow>, RunError> {
+    let radius = plan.yarn.cylinder.radius_mm();
+    let spacing = plan.cloth_spec.weft_spacing_mm;
+    let limits = [0.5 * spacing, spacing, 8.0 * radius];
+    let mut rows = Vec::new();
+    for Sharing { first, interior } in &plan.yarn.sharing()? {
+        let wavelengths = interior.wavelengths();
+        let walk = Walk {
+            shape: &plan.yarn.cylinder,
+            interior,
+            roulette: plan.yarn.roulette,
+        };
+        let batches: Vec<Vec<[f64; 4]>> = (0..LOCALITY_BATCHES)
+            .map(|batch| {
+                let mut sums = vec![[0.0; 4]; wavelengths];
+                walk.trace(
+                    Stream::open(plan.study.seed, Purpose::Locality, 0, batch, *first),
+                    LOCALITY_PATHS,
+                    |[across, ..]| {
+                        let h = 2.0 * across - 1.0;
+                        let normal = Vec3::new(h, 0.0, (1.0 - h * h).max(0.0).sqrt());
+                        Entry {
+                            position: normal * radius,
+                            normal,
+                            omega_in: Vec3::z(),
+                        }
+                    },
+                    |exit| {
+                        let along = (exit.position.y - exit.entry.y).abs();
+                        let beyond = limits.map(|limit| f64::from(u8::from(along > limit)));
+                        let scattered = f64::from(u8::from(exit.scattered));
+                        for (sums, weight) in sums.iter_mut().zip(exit.weights) {
+                            sums[3] += scattered * weight;
+                            for (sum, beyond) in zip(&mut *sums, beyond) {
+                                *sum += scattered * weight * beyond;
+                            }
+                        }
+                    },
+                );
+                sums
+            })
+            .collect();
+        for w in 0..wavelengths {
+            let share = |k: usize| Estimate::from_batches(batches.iter().map(|sums| sums[w][k] / sums[w][3]));
+            let [half, whole, eight] = [share(0), share(1), share(2)];
+            rows.push(LocalityRow {
+                wavelength_nm: plan.grid.nm()[first + w],
+                beyond_half_spacing: half.value,
+                beyond_half_spacing_se: half.se,
+                beyond_spacing: whole.value,
+                beyond_spacing_se: whole.se,
+                beyond_8_radii: eight.value,
+                beyond_8_radii_se: eight.se,
+            });
+        }
+    }
+    Ok(rows)
+}
