@@ -8,7 +8,7 @@ use crate::compare::{
 use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
 use crate::shading::Classical;
-use crate::study::{MediumSection, NumberOrTable};
+use crate::study::{MediumSection, MethodChoice, NumberOrTable, SurfaceChoice};
 use crate::yarn::{DirectTracer, Effort};
 
 /// Least effort of a point of the sweep: batches, and the share of the study's paths.
@@ -53,6 +53,22 @@ pub fn report(
         fallbacks.push(
             "the host is dispersive: wavelengths part at the surface and cannot share paths; the independent estimator was \
              used"
+                .into(),
+        );
+    }
+    let cloth = &plan.study.cloth;
+    if cloth.method == MethodChoice::RadianceFactor
+        && (cloth.warp_flattening != 1.0 || cloth.weft_flattening != 1.0 || cloth.radius_variation > 0.0)
+    {
+        fallbacks.push(
+            "yarns are elliptical or of varying radius: f* is that of the round yarn of the mean radius; the volumetric method has \
+             their shape"
+                .into(),
+        );
+    }
+    if plan.study.specular.surface == SurfaceChoice::Yarn {
+        fallbacks.push(
+            "the yarns shine by themselves: the model has no gloss about the cloth's normal, the classical shading has"
                 .into(),
         );
     }
