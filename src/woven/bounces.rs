@@ -48,7 +48,8 @@ impl Bounces<'_> {
         self.trace(beam, detector, true, &mut [], batch, particles)
     }
 
-    /// What views see of light that was not scattered by the first yarn that the beam met, and by no other: the brightness factor
+    /// What views see of light that was not scattered by the first yarn that the beam met and by no other, and of what that yarn
+    /// scatters beyond a straight one: the brightness factor
     /// at [view][wavelength]; and the ledger of all light. Light scattered last is worked out for each view from `particles` particles; light that a surface
     /// sends on last has no density in direction, and is caught in the cones, from `straight` times as many.
     pub fn between(
@@ -118,6 +119,13 @@ impl Bounces<'_> {
                     self.cross(yarn, arrival, weights, &mut parts, &mut air);
                     if visited > 0 {
                         self.show(scatter, arrival, &parts.inside, views, &mut rng);
+                    } else if !views.is_empty() {
+                        // Shading in the sun has the straight yarn's share already.
+                        straight_yarn(yarn, arrival, weights, &mut parts.out);
+                        for (straight, inside) in parts.out.iter_mut().zip(&parts.inside) {
+                            *straight = inside - *straight;
+                        }
+                        self.show(scatter, arrival, &parts.out, views, &mut rng);
                     }
                     self.scatter(scatter, arrival, &mut parts, &mut air, &mut rng);
                 }
@@ -275,6 +283,22 @@ impl Parts {
             straight: vec![0.0; wavelengths],
             out: vec![0.0; wavelengths],
         }
+    }
+}
+
+/// Of light that meets a straight yarn, what is neither reflected nor ballistic: f* was traced in one. In a bent one
+/// surfaces lean towards each other, and light that a straight one lets through is totally reflected and scatters after all.
+fn straight_yarn(yarn: &Yarn, arrival: &Arrival, weights: &[f32], inside: &mut [f64]) {
+    let medium = &yarn.medium;
+    let index = medium.host_index()[medium.host_index().len() / 2];
+    let local = arrival.hit.frame.to_local(&arrival.omega_in);
+    let surface = fresnel::interface(local.z.clamp(0.0, 1.0), index);
+    let across = 1.0 - (local.y / index).powi(2);
+    let chord_mm = 2.0 * yarn.cylinder.radius_mm() * surface.cos_t / across;
+    let (r, enters) = (surface.reflectance, 1.0 - surface.reflectance);
+    for (w, (inside, weight)) in inside.iter_mut().zip(weights).enumerate() {
+        let x = (-(medium.mu_s_per_mm()[w] + medium.mu_a_per_mm()[w]) * chord_mm).exp();
+        *inside = f64::from(*weight) * (enters - enters * enters * x / (1.0 - r * x));
     }
 }
 
