@@ -1,4 +1,5 @@
 use super::convert::{ConvertError, by_extension, format_of};
+use super::stopping::beside;
 use super::{Failure, Options, Terminal};
 use serde::Serialize;
 use specval::artefact::Identity;
@@ -200,12 +201,6 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
 
 fn percent(share: Option<f64>) -> String {
     share.map_or("unknown".into(), |share| format!("{:.2} %", 100.0 * share))
-}
-
-pub fn beside(out: &Path, ending: &str) -> PathBuf {
-    let mut name = out.as_os_str().to_owned();
-    name.push(ending);
-    name.into()
 }
 
 fn csv_of(rows: &[HemisphericalRow], comments: &[String]) -> Result<Vec<u8>, Failure> {

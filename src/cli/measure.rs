@@ -1,5 +1,5 @@
-use super::full::{self, beside};
-use super::{Failure, Options, Stopping, Terminal, state_beside, study};
+use super::stopping::beside;
+use super::{Failure, Options, Stopping, Terminal, full, state_beside, study};
 use serde::Serialize;
 use specval::report::{check_writable, effort_line, write_whole};
 use specval::run::{Plan, Simulator, StateFile, Watch};

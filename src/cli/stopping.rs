@@ -109,8 +109,13 @@ pub fn recorded_command(words: impl IntoIterator<Item = String>) -> Vec<String> 
 
 /// The file with the state of the run that writes this one.
 pub fn state_beside(output: &Path) -> PathBuf {
+    beside(output, ".state")
+}
+
+/// The file beside another whose name has this ending more.
+pub fn beside(output: &Path, ending: &str) -> PathBuf {
     let mut name = output.as_os_str().to_owned();
-    name.push(".state");
+    name.push(ending);
     name.into()
 }
 

@@ -76,15 +76,12 @@ impl<'a> Simulator<'a> {
                 .is_some_and(|b| b.values().iter().any(|r| *r > 0.0));
         let light = match plan.study.cloth.method {
             MethodChoice::RadianceFactor => {
-                let between = LightBetween::new(plan, most, of_batch(plan.study.trace.particles));
-                Light::RadianceFactor(Box::new(shading()?), goes_on.then_some(between).transpose()?)
+                let between = || LightBetween::new(plan, most, of_batch(plan.study.trace.particles));
+                Light::RadianceFactor(Box::new(shading()?), goes_on.then(between).transpose()?)
             }
             MethodChoice::Volumetric => {
                 let particles = of_batch(plan.study.trace.particles_volumetric);
-                Light::Volumetric(
-                    VolumetricCloth::new(plan, particles, plan.study.specular.surface == SurfaceChoice::Yarn)?
-                        .on_backing(),
-                )
+                Light::Volumetric(VolumetricCloth::new(plan, particles, shines)?.on_backing())
             }
         };
         Ok(Self {

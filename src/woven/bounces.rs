@@ -4,7 +4,7 @@ use crate::cloth::{System, Tubes};
 use crate::geometry::Vec3;
 use crate::optics::fresnel;
 use crate::transport::{Purpose, Stream};
-use crate::yarn::{Yarn, YarnScatter};
+use crate::yarn::{Yarn, YarnScatter, kept_by_straight_yarn};
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
@@ -289,16 +289,12 @@ impl Parts {
 /// Of light that meets a straight yarn, what is neither reflected nor ballistic: f* was traced in one. In a bent one
 /// surfaces lean towards each other, and light that a straight one lets through is totally reflected and scatters after all.
 fn straight_yarn(yarn: &Yarn, arrival: &Arrival, weights: &[f32], inside: &mut [f64]) {
-    let medium = &yarn.medium;
-    let index = medium.host_index()[medium.host_index().len() / 2];
+    let hosts = yarn.medium.host_index();
+    let index = hosts[hosts.len() / 2];
     let local = arrival.hit.frame.to_local(&arrival.omega_in);
     let surface = fresnel::interface(local.z.clamp(0.0, 1.0), index);
-    let across = 1.0 - (local.y / index).powi(2);
-    let chord_mm = 2.0 * yarn.cylinder.radius_mm() * surface.cos_t / across;
-    let (r, enters) = (surface.reflectance, 1.0 - surface.reflectance);
     for (w, (inside, weight)) in inside.iter_mut().zip(weights).enumerate() {
-        let x = (-(medium.mu_s_per_mm()[w] + medium.mu_a_per_mm()[w]) * chord_mm).exp();
-        *inside = f64::from(*weight) * (enters - enters * enters * x / (1.0 - r * x));
+        *inside = f64::from(*weight) * kept_by_straight_yarn(yarn, w, &surface, local.y / index);
     }
 }
 

@@ -18,7 +18,7 @@ pub use far_field::{FarFieldBatch, FarFieldGrid, FarFieldTracer};
 pub use lengths::{LengthBins, LengthSums, LengthTally};
 pub use radiance_factor::{FactorWeights, RadianceFactorGrid, WeightTally};
 pub use reabsorption::{ByLength, Change, Reabsorption, Reweighted, Support};
-pub use scatter::{Leaving, Meeting, YarnScatter};
+pub use scatter::{Leaving, Meeting, YarnScatter, kept_by_straight_yarn};
 
 use crate::geometry::{HemisphereGrid, Sectors};
 use crate::optics::Medium;

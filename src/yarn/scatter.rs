@@ -1,7 +1,7 @@
 use super::radiance_factor::{FactorCells, LightSide};
 use super::{RadianceFactorGrid, Yarn, YarnError};
 use crate::geometry::Vec3;
-use crate::optics::fresnel;
+use crate::optics::fresnel::{self, Interface};
 use std::f64::consts::{PI, TAU};
 
 /// How a yarn scatters light that met it anywhere across its width, by a table of f*: particles that forget where on the
@@ -170,9 +170,19 @@ impl YarnScatter {
     }
 }
 
-/// Mean over the width of the yarn and a tilt cell, at each wavelength, of the light that is neither reflected on the way in
-/// nor leaves without having met a particle: with reflectance r, alike at every hit, and transmittance x of the chord,
-/// 1 − r − (1 − r)² x/(1 − r x).
+/// Of light that meets a straight yarn's surface as `entry` says, the fraction at wavelength number `w` that is neither reflected
+/// on the way in nor leaves without having met a particle: with reflectance r, alike at every hit, and transmittance x of the
+/// chord, 1 − r − (1 − r)² x/(1 − r x). `sine` of the tilt inside the yarn.
+pub fn kept_by_straight_yarn(yarn: &Yarn, w: usize, entry: &Interface, sine: f64) -> f64 {
+    let medium = &yarn.medium;
+    let across = 1.0 - sine.powi(2);
+    let chord = 2.0 * yarn.cylinder.radius_mm() * entry.cos_t / across;
+    let x = (-(medium.mu_s_per_mm()[w] + medium.mu_a_per_mm()[w]) * chord).exp();
+    let (r, entering) = (entry.reflectance, 1.0 - entry.reflectance);
+    entering - entering * entering * x / (1.0 - r * x)
+}
+
+/// Mean of it over the width of the yarn and a tilt cell, at each wavelength.
 fn scattered_or_absorbed(yarn: &Yarn, [low, high]: [f64; 2]) -> Vec<f64> {
     let medium = &yarn.medium;
     let (low, high) = (low.sin(), high.sin());
@@ -186,12 +196,7 @@ fn scattered_or_absorbed(yarn: &Yarn, [low, high]: [f64; 2]) -> Vec<f64> {
         for (w, mean) in mean.iter_mut().enumerate() {
             let index = medium.host_index()[w];
             let interface = fresnel::interface(cos_in, index);
-            let across = 1.0 - (sine / index).powi(2);
-            let chord = 2.0 * yarn.cylinder.radius_mm() * interface.cos_t / across;
-            let x = (-(medium.mu_s_per_mm()[w] + medium.mu_a_per_mm()[w]) * chord).exp();
-            let r = interface.reflectance;
-            let entering = 1.0 - r;
-            *mean += per_node * 0.5 * PI * t.cos() * (entering - entering * entering * x / (1.0 - r * x));
+            *mean += per_node * 0.5 * PI * t.cos() * kept_by_straight_yarn(yarn, w, &interface, sine / index);
         }
     }
     mean
