@@ -47,8 +47,8 @@ fn batches(study: Study) -> Vec<Vec<f64>> {
 /// exchanged are together as bright as one of each alone, ray by ray.
 #[test]
 fn direct_light_adds_up_yarn_by_yarn() {
-    let [mixed, exchanged, white, red] = [(false, true), (true, false), (false, false), (true, true)]
-        .map(|(warp, weft)| batches(cloth(warp, weft)));
+    let [mixed, exchanged, white, red] =
+        [(false, true), (true, false), (false, false), (true, true)].map(|(warp, weft)| batches(cloth(warp, weft)));
     let mut apart: f64 = 0.0;
     for batch in 0..mixed.len() {
         for g in 0..mixed[batch].len() {
@@ -106,7 +106,10 @@ fn both_methods_agree_on_white_and_red_yarns() {
         let by_factor = mean(MethodChoice::RadianceFactor, warp, weft);
         let error = volumetric.se.hypot(by_factor.se);
         let apart = (volumetric.value - by_factor.value).abs();
-        assert!(apart < 0.1 * volumetric.value + 4.0 * error, "{volumetric:?} {by_factor:?}");
+        assert!(
+            apart < 0.1 * volumetric.value + 4.0 * error,
+            "{volumetric:?} {by_factor:?}"
+        );
     }
 }
 

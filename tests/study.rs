@@ -69,7 +69,7 @@ fn every_offered_choice_is_accepted() {
             }
         }
     }
-    assert_eq!(tried, 30);
+    assert_eq!(tried, 32);
 }
 
 #[test]

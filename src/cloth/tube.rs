@@ -13,6 +13,9 @@ const LAST_STEP: f64 = 1e-8;
 /// First step, in half heights, of a ray that starts on the surface: past what rounding can hold there.
 const LEAVE: f64 = 1e-9;
 
+/// Steps, in half heights, along the centre line over which its bend is measured.
+const BEND_STEP: f64 = 1e-5;
+
 /// Smooth surface of one yarn: the points whose distance u from the centre line's vertical plane and signed distance v
 /// from the centre line within that plane satisfy F = (u/a)² + (v/b)² − 1 = 0.
 ///
@@ -290,6 +293,33 @@ impl Tube {
             u: a2 * across * scale - near.u,
             z: lift * normal[1],
         }
+    }
+
+    /// Along the yarn, and the height, of the nearest point of the centre line.
+    pub fn foot(&self, near: Local) -> [f64; 2] {
+        let (k, d) = self.locate(near.x);
+        let Offset { v, normal } = self.pieces[k].offset(d, near.z);
+        [near.x - v * normal[0], near.z - v * normal[1]]
+    }
+
+    /// Surface at a point of it per distance along the yarn, measured at the centre line's foot in the cloth's plane, and per radian
+    /// that the normal turns within the section: the section's radius of curvature, times how much longer the surface is
+    /// than that distance where the line climbs and where it bends away.
+    pub fn surface_per_place(&self, near: Local) -> f64 {
+        let (k, d) = self.locate(near.x);
+        let Offset { v, normal } = self.pieces[k].offset(d, near.z);
+        let foot = self.foot(near);
+        let lean = |step: f64| {
+            let (k, d) = self.locate(foot[0] + step * normal[1]);
+            let there = self.pieces[k].offset(d, foot[1] - step * normal[0]).normal;
+            there[0].atan2(there[1])
+        };
+        let step = BEND_STEP * self.half_height;
+        let bend = (lean(step) - lean(-step)) / (2.0 * step);
+        let (a, b) = (self.half_width, self.half_height);
+        // Of the ellipse (u/a)² + (v/b)² = 1.
+        let radius = (a * b).powi(2) * (near.u / (a * a)).hypot(v / (b * b)).powi(3);
+        radius * (1.0 + bend * v) / normal[1]
     }
 
     /// Distance from a point to the surface to first order, negative inside, exact at the surface and for a circular

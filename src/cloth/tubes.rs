@@ -228,6 +228,32 @@ impl Tubes {
         std::array::from_fn(|k| position[k] + shift[k])
     }
 
+    /// Where along the yarn of `system` the section through a surface point has its centre, in the cloth's plane and in one repeat: from 0
+    /// to below its length.
+    pub fn place_mm(&self, system: System, position: [f64; 3]) -> f64 {
+        let (tube, near) = self.tube(system, position);
+        tube.foot(near)[0].rem_euclid(self.repeat_mm(system))
+    }
+
+    /// Surface that a yarn has at a point of it per mm of that place and per radian that the normal turns within the section.
+    pub fn surface_mm(&self, system: System, position: [f64; 3]) -> f64 {
+        let (tube, near) = self.tube(system, position);
+        tube.surface_per_place(near)
+    }
+
+    /// Length after which a yarn of `system` recurs along itself.
+    pub fn repeat_mm(&self, system: System) -> f64 {
+        match system {
+            System::Warp => self.cell_mm[0],
+            System::Weft => self.cell_mm[1],
+        }
+    }
+
+    /// Yarns of `system` in one cell.
+    pub fn yarns(&self, system: System) -> usize {
+        self.parallel(system).places.len()
+    }
+
     /// The first yarn on a ray that starts in the air, or on a yarn's surface looking out of it. `direction` is a unit
     /// vector. A yarn that touches the one left there is met at distance 0.
     pub fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<TubeHit> {

@@ -16,7 +16,8 @@ use std::iter::zip;
 pub struct ApproximationRow {
     pub theta_i_deg: f64,
     pub channel: Channel,
-    /// `classical`, `direct` (f* in the sun alone), `all-bounces` (f* from yarn to yarn), `volumetric` or `measured`.
+    /// `classical`, `direct` (f* in the sun alone), `all-bounces` (f* from yarn to yarn), `volumetric`, or `measured` where the sample has
+    /// a reading at every view.
     pub source: &'static str,
     /// Not normalised.
     pub mean_beta: f64,
@@ -71,45 +72,55 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Vec<Approximati
                 .reading(g.theta_i_deg, g.theta_v_deg, plan.colour.convention())?,
         );
     }
-    let measured = readings.iter().map(|r| r.as_ref().map(|r| r.beta));
-    let measured: Option<Vec<Channels>> = measured.collect();
     let white = channels(&plan.colour, &vec![1.0; plan.grid.len()]);
     let normal = geometries.iter().position(|g| *g == NORMAL);
-    let classical = match normal.and_then(|normal| readings[normal].as_ref()) {
-        None => None,
-        Some(reading) => {
-            let shading = Classical::new(reading.beta, plan.specular)?;
-            let shaded = geometries.iter().map(|g| {
-                let (omega_in, omega_out) = directions(plan, *g);
-                shading.brightness_factor(&omega_in, &omega_out, &white)
-            });
-            Some(shaded.collect::<Vec<Channels>>())
-        }
-    };
-    let once = |values: Option<Vec<Channels>>| values.map(|values| vec![values]);
-    let sources = [
-        ("classical", once(classical)),
-        ("direct", Some(direct)),
-        ("all-bounces", Some(all)),
-        ("volumetric", Some(volumetric.clone())),
-        ("measured", once(measured)),
-    ];
+    let normal = normal.and_then(|normal| readings[normal].as_ref());
+    let classical = normal
+        .map(|reading| Classical::new(reading.beta, plan.specular))
+        .transpose()?;
     let mut rows = Vec::new();
     for &theta_i_deg in plan.rig.incidences_deg() {
         let views: Vec<usize> = (0..geometries.len()).filter(|&g| of(g) == theta_i_deg).collect();
+        let share = 1.0 / views.len() as f64;
         for channel in Channel::ALL {
-            let mean = |batches: &[Vec<Channels>]| {
-                let share = 1.0 / views.len() as f64;
-                let of_batch = |batch: &Vec<Channels>| views.iter().map(|&g| share * batch[g][channel as usize]).sum();
-                let means: Vec<f64> = batches.iter().map(of_batch).collect();
-                Estimate::from_batches(means.into_iter())
+            let c = channel as usize;
+            let traced = |batches: &[Vec<Channels>]| {
+                let of_batch = |batch: &Vec<Channels>| views.iter().map(|&g| share * batch[g][c]).sum::<f64>();
+                Estimate::from_batches(batches.iter().map(of_batch))
             };
-            let reference = mean(&volumetric);
-            for (source, batches) in &sources {
-                let Some(batches) = batches else { continue };
-                let Estimate { value, se } = mean(batches);
+            let shaded = classical.as_ref().zip(normal).map(|(shading, normal)| {
+                let of_view = |&g: &usize| {
+                    let (omega_in, omega_out) = directions(plan, geometries[g]);
+                    share * shading.brightness_factor(&omega_in, &omega_out, &white)[c]
+                };
+                // Its one measured value is the same at every view.
+                Estimate {
+                    value: views.iter().map(of_view).sum(),
+                    se: normal.se()[c],
+                }
+            });
+            let read: Option<Vec<&Reading>> = views.iter().map(|&g| readings[g].as_ref()).collect();
+            // Errors of readings are taken as independent of each other.
+            let read = read.map(|read| Estimate {
+                value: read.iter().map(|reading| share * reading.beta[c]).sum(),
+                se: read
+                    .iter()
+                    .map(|reading| (share * reading.se()[c]).powi(2))
+                    .sum::<f64>()
+                    .sqrt(),
+            });
+            let reference = traced(&volumetric);
+            let sources = [
+                ("classical", shaded),
+                ("direct", Some(traced(&direct))),
+                ("all-bounces", Some(traced(&all))),
+                ("volumetric", Some(reference)),
+                ("measured", read),
+            ];
+            for (source, mean) in sources {
+                let Some(Estimate { value, se }) = mean else { continue };
                 let ratio = value / reference.value;
-                let relative = match *source {
+                let relative = match source {
                     "volumetric" => 0.0,
                     _ => (se / value).hypot(reference.se / reference.value),
                 };

@@ -35,7 +35,11 @@ impl CameraBatch {
             views.entry(stream_of(*geometry)).or_default().push((place, *geometry));
         }
         let views: Vec<(usize, Vec<(usize, Geometry)>)> = views.into_iter().collect();
-        let tallies = || plan.different_yarns().map(|_| WeightTally::new(plan.factor_grid)).collect();
+        let tallies = || {
+            plan.different_yarns()
+                .map(|_| WeightTally::new(plan.factor_grid))
+                .collect()
+        };
         let mut seen: Vec<(usize, Sight)> = views
             .par_iter()
             .map_init(tallies, |tallies: &mut Vec<WeightTally>, (stream, at_view)| {

@@ -1,11 +1,12 @@
-use super::{Plan, RunError};
+use super::{Plan, Progress, RunError};
 use crate::cloth::Tubes;
 use crate::compare::Geometry;
+use crate::geometry::Vec3;
 use crate::rig::{omega_in, omega_out};
 use crate::spectrum::Samples;
 use crate::study::SurfaceChoice;
-use crate::woven::{Beam, Bounces, ClothBatch, ClothLedger, Detector, ViewCones, Volumetric};
-use crate::yarn::{Estimator, Sharing, YarnScatter};
+use crate::woven::{Beam, Bounces, ClothBatch, ClothLedger, Detector, Onlookers, Places, Sight, ViewCones, Volumetric};
+use crate::yarn::{DirectTracer, Estimator, Sharing, YarnScatter};
 use rayon::prelude::*;
 use std::iter::zip;
 
@@ -64,8 +65,15 @@ impl<'a> VolumetricCloth<'a> {
     /// `particles` in a batch; whether light that the yarns' surface reflects on its way in goes on.
     pub fn new(plan: &'a Plan, particles: usize, surface_reflection: bool) -> Result<Self, RunError> {
         // Paths go through both media, so one that parts the wavelengths parts them in both.
-        let shared = plan.yarns().iter().all(|yarn| yarn.estimator_in_use() == Estimator::Shared);
-        let estimator = if shared { Estimator::Shared } else { Estimator::Independent };
+        let shared = plan
+            .yarns()
+            .iter()
+            .all(|yarn| yarn.estimator_in_use() == Estimator::Shared);
+        let estimator = if shared {
+            Estimator::Shared
+        } else {
+            Estimator::Independent
+        };
         let [warp, weft] = plan.yarns();
         let both = zip(warp.sharing_by(estimator)?, weft.sharing_by(estimator)?);
         Ok(Self {
@@ -129,6 +137,67 @@ impl<'a> VolumetricCloth<'a> {
     }
 }
 
+/// The woven cloth with light that goes from yarn to yarn by their f*, for light from anywhere.
+pub struct FactorCloth<'a> {
+    tubes: Tubes,
+    plan: &'a Plan,
+    /// f* of [`Plan::different_yarns`] in each batch.
+    scatter: Vec<Vec<YarnScatter>>,
+    particles: usize,
+    surface_reflection: bool,
+}
+
+impl<'a> FactorCloth<'a> {
+    /// Traces f*. `particles` in a batch; whether light that the yarns' surface reflects goes on.
+    pub fn new(
+        plan: &'a Plan,
+        particles: usize,
+        surface_reflection: bool,
+        progress: Progress,
+    ) -> Result<Self, RunError> {
+        let tracers = plan
+            .different_yarns()
+            .map(|yarn| DirectTracer::new(yarn, plan.factor_grid, plan.direct_effort, None))
+            .collect::<Result<Vec<_>, _>>()?;
+        let batches = plan.direct_effort.batches;
+        let mut scatter = Vec::with_capacity(batches);
+        for batch in 0..batches {
+            let of_yarns = zip(plan.different_yarns(), &tracers)
+                .map(|(yarn, tracer)| YarnScatter::new(yarn, plan.factor_grid, &tracer.batch(batch).radiance_factor));
+            scatter.push(of_yarns.collect::<Result<Vec<_>, _>>()?);
+            progress(1.0 / batches as f64);
+        }
+        Ok(Self {
+            tubes: Tubes::new(&plan.cloth_spec)?,
+            plan,
+            scatter,
+            particles,
+            surface_reflection,
+        })
+    }
+
+    /// One batch of a beam, of all wavelengths of the study. Of batches that were not traced there is no f* and no light.
+    pub fn batch<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize) -> ClothBatch {
+        let of_yarns = self.scatter.get(batch).map(Vec::as_slice).unwrap_or_default();
+        let [Some(warp), Some(weft)] = [of_yarns.first(), of_yarns.last()] else {
+            return ClothBatch {
+                ledger: Vec::new(),
+                caught: vec![Vec::new(); detector.bins()],
+            };
+        };
+        let light = Bounces {
+            tubes: &self.tubes,
+            yarns: self.plan.yarns(),
+            scatter: [warp, weft],
+            backing: None,
+            surface_reflection: self.surface_reflection,
+            most: usize::MAX,
+            seed: self.plan.study.seed,
+        };
+        light.batch(beam, detector, batch, self.particles)
+    }
+}
+
 /// What one batch of light from one incidence gives.
 pub(super) struct LitBatch {
     /// [view][wavelength].
@@ -141,20 +210,25 @@ pub(super) struct LitBatch {
 pub(super) struct LightBetween<'a> {
     plan: &'a Plan,
     tubes: Tubes,
+    places: Places,
     most: usize,
     particles: usize,
 }
 
-/// Particles that follow what surfaces send on last, for one that follows scattered light: they cost less, and each tells
-/// less.
-const STRAIGHT: usize = 8;
+/// Pieces of yarn, and squares of the backing, within which light forgets where it came in, in radii of the thinner yarn: far
+/// shorter than light goes along a yarn before it leaves, and than what yarns let through is wide.
+const PIECE_RADII: f64 = 0.125;
+const SQUARE_RADII: f64 = 0.25;
 
 impl<'a> LightBetween<'a> {
     /// `most` yarns after the first; `particles` in a batch.
     pub fn new(plan: &'a Plan, most: usize, particles: usize) -> Result<Self, RunError> {
+        let tubes = Tubes::new(&plan.cloth_spec)?;
+        let radius_mm = plan.cloth_spec.warp_radius_mm.min(plan.cloth_spec.weft_radius_mm);
         Ok(Self {
             plan,
-            tubes: Tubes::new(&plan.cloth_spec)?,
+            places: Places::new(&tubes, PIECE_RADII * radius_mm, SQUARE_RADII * radius_mm),
+            tubes,
             most,
             particles,
         })
@@ -179,10 +253,38 @@ impl<'a> LightBetween<'a> {
             most: self.most,
             seed: plan.study.seed,
         };
+        let mut views: Vec<Vec3> = Vec::new();
+        for view in lit.iter().flat_map(|lit| lit.cones.views()) {
+            if !views.contains(view) {
+                views.push(*view);
+            }
+        }
+        let rays = plan.pixels.count();
+        let sights: Vec<Sight> = views
+            .par_iter()
+            .map(|view| Sight::new(&light, &self.places, view, direction_number(view), batch, rays))
+            .collect();
         let between = |LitViews { beam, cones, .. }: &LitViews| {
-            let (beta, ledger) = light.between(beam, cones, batch, self.particles, STRAIGHT);
+            let sight_of = |view: &Vec3| zip(&views, &sights).find(|(known, _)| *known == view);
+            let onlookers = Onlookers {
+                places: &self.places,
+                sights: cones
+                    .views()
+                    .iter()
+                    .filter_map(sight_of)
+                    .map(|(_, sight)| sight)
+                    .collect(),
+                cones,
+            };
+            let (beta, ledger) = light.between(beam, &onlookers, batch, self.particles);
             LitBatch { beta, ledger }
         };
         Ok(lit.par_iter().map(between).collect())
     }
+}
+
+/// Tells views apart, whatever else the rig measures.
+fn direction_number(view: &Vec3) -> usize {
+    let [x, y] = [view.x, view.y].map(|c| (c * 1e6).round() as isize as usize & 0xff_ffff);
+    x << 24 | y
 }

@@ -27,7 +27,7 @@ pub(crate) use camera::stream_of;
 pub use curves::SpectralCurves;
 pub(crate) use curves::directions;
 pub use full::{Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Incidence, Symmetry, symmetries};
-pub use light::VolumetricCloth;
+pub use light::{FactorCloth, VolumetricCloth};
 pub(crate) use plan::dye_on;
 pub use plan::{Plan, RunError, medium};
 pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};

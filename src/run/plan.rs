@@ -171,12 +171,7 @@ impl Plan {
     /// Axes of the stored BSSRDF of a yarn.
     pub fn bssrdf_grid(&self, yarn: &Yarn) -> Result<BssrdfGrid, RunError> {
         let z_cells = self.study.trace.z_cells as usize;
-        Ok(BssrdfGrid::new(
-            yarn,
-            self.incident,
-            self.bssrdf_surface,
-            z_cells,
-        )?)
+        Ok(BssrdfGrid::new(yarn, self.incident, self.bssrdf_surface, z_cells)?)
     }
 
     /// The warp's yarn of another medium.
@@ -357,7 +352,11 @@ fn medium_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) 
 pub fn medium(study: &Study) -> Result<Medium, RunError> {
     study.validate()?;
     let grid = WavelengthGrid::new(study.spectrum.wavelengths())?;
-    medium_of(&study.medium, MediumSpectra::read("medium", &study.medium, &grid)?, &grid)
+    medium_of(
+        &study.medium,
+        MediumSpectra::read("medium", &study.medium, &grid)?,
+        &grid,
+    )
 }
 
 /// A number of a medium, or the table from the file that it names; `key` is without the section.

@@ -50,12 +50,9 @@ impl<'a> Simulator<'a> {
     pub fn new(plan: &'a Plan, geometries: Vec<Geometry>) -> Result<Self, RunError> {
         let shading = |yarn: &'a Yarn| -> Result<Shading<'a>, RunError> {
             Ok(match plan.study.trace.shade_with {
-                ShadeWith::Direct => Shading::Direct(DirectTracer::new(
-                    yarn,
-                    plan.factor_grid,
-                    plan.direct_effort,
-                    None,
-                )?),
+                ShadeWith::Direct => {
+                    Shading::Direct(DirectTracer::new(yarn, plan.factor_grid, plan.direct_effort, None)?)
+                }
                 ShadeWith::Bssrdf => Shading::Bssrdf(PatchTracer::new(
                     yarn,
                     plan.bssrdf_grid(yarn)?,
@@ -132,7 +129,9 @@ impl<'a> Simulator<'a> {
                 };
                 let tables: Vec<Vec<f64>> = shading.iter().map(table).collect();
                 let sunlit = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&tables);
-                let between = between.as_ref().map(|light| light.brightness(&tables, &self.lit, batch));
+                let between = between
+                    .as_ref()
+                    .map(|light| light.brightness(&tables, &self.lit, batch));
                 (sunlit, between.transpose()?.unwrap_or_default())
             }
             Light::Volumetric(cloth) => {

@@ -217,7 +217,12 @@ const INTERFERENCE: Field = field(
     Kind::Choice(&["independent", "percus-yevick"]),
     "Particles scatter as if alone, or with the Percus-Yevick structure factor of hard spheres.",
 );
-const RADIUS_MM: Field = field("radius_mm", "mm", Kind::Number(above(0.0, 100.0)), "Radius of the yarn.");
+const RADIUS_MM: Field = field(
+    "radius_mm",
+    "mm",
+    Kind::Number(above(0.0, 100.0)),
+    "Radius of the yarn.",
+);
 
 pub(super) const SECTIONS: &[Section] = &[
     Section {

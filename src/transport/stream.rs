@@ -14,6 +14,8 @@ pub enum Purpose {
     Bounces = 8,
     Incidence = 9,
     Locality = 10,
+    Sights = 11,
+    Straight = 12,
 }
 
 /// The one source of random numbers: each (seed, purpose, direction, batch, wavelength) has a stream of its own,

@@ -1,4 +1,4 @@
-use super::{ClothBatch, ClothLedger, Detector};
+use super::{Beam, ClothBatch, ClothLedger, Detector};
 use crate::cloth::{System, TubeHit, Tubes};
 use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
@@ -9,6 +9,31 @@ pub(super) struct Arrival {
     pub hit: TubeHit,
     /// Unit vector towards where it comes from.
     pub omega_in: Vec3,
+    pub past: Past,
+}
+
+/// What light has been through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Past {
+    /// Yarns it has met.
+    pub yarns: usize,
+    /// Whether particles of a medium or the backing scattered it: if not, surfaces alone have turned it.
+    pub scattered: bool,
+}
+
+impl Past {
+    pub const NONE: Self = Self {
+        yarns: 0,
+        scattered: false,
+    };
+
+    /// After one more yarn.
+    pub fn through_yarn(self, scattered: bool) -> Self {
+        Self {
+            yarns: self.yarns + 1,
+            scattered: self.scattered || scattered,
+        }
+    }
 }
 
 /// Particles that wait at the yarns of one system, and what each carries at every wavelength.
@@ -16,6 +41,21 @@ pub(super) struct Arrival {
 pub(super) struct Queue {
     pub arrivals: Vec<Arrival>,
     pub weights: Vec<f32>,
+}
+
+/// Particles that wait at the backing.
+#[derive(Default)]
+pub(super) struct Landed {
+    pub arrivals: Vec<Landing>,
+    pub weights: Vec<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Landing {
+    pub position: Vec3,
+    /// Unit vector towards where it comes from.
+    pub omega_in: Vec3,
+    pub past: Past,
 }
 
 /// The air between and around the yarns: takes light that leaves a yarn to the next, or out of the cloth.
@@ -27,13 +67,10 @@ pub(super) struct Air<'a, D, R> {
     rng: R,
     wavelengths: usize,
     queues: [Queue; 2],
+    landed: Landed,
     /// Sums over particles, by wavelength, in the order of [`ClothLedger::fractions`].
     sums: Vec<[f64; ClothLedger::FRACTIONS]>,
     caught: Vec<Vec<f64>>,
-    /// What the backing sends back of the light in hand.
-    sent_back: Vec<f64>,
-    /// Whether the detector is to catch light that a yarn has just scattered too, or only what a surface sent on.
-    catch_scattered: bool,
     light_above: bool,
 }
 
@@ -44,46 +81,42 @@ const ABSORBED: usize = 3;
 const GAMES: usize = 4;
 
 impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
-    pub fn new(
-        tubes: &'a Tubes,
-        backing: Option<&'a [f64]>,
-        detector: &'a D,
-        catch_scattered: bool,
-        rng: R,
-        wavelengths: usize,
-    ) -> Self {
+    pub fn new(tubes: &'a Tubes, backing: Option<&'a [f64]>, detector: &'a D, rng: R, wavelengths: usize) -> Self {
         Self {
             tubes,
             backing,
-            sent_back: vec![0.0; wavelengths],
             detector,
             rng,
             wavelengths,
             queues: Default::default(),
+            landed: Landed::default(),
             sums: vec![[0.0; ClothLedger::FRACTIONS]; wavelengths],
             caught: vec![vec![0.0; wavelengths]; detector.bins()],
-            catch_scattered,
             light_above: true,
         }
     }
 
-    /// Sends `particles` particles of a beam, evenly spread over the cell of the cloth's plane: strata along x in order, along
-    /// y at the golden ratio's multiples.
-    pub fn shine(&mut self, omega_in: &Vec3, particles: usize) {
-        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    /// Sends so many particles of a beam.
+    pub fn shine(&mut self, beam: &Beam, particles: usize) {
+        let omega_in = beam.omega_in;
         self.light_above = omega_in.z > 0.0;
-        let [cell_x, cell_y] = self.tubes.cell_mm();
-        let away = omega_in * (2.0 * self.tubes.top_mm() / omega_in.z.abs());
-        let shift: f64 = self.rng.random();
-        for k in 0..particles {
-            let x = (k as f64 + self.rng.random::<f64>()) / particles as f64;
-            let y = (shift + GOLDEN * k as f64).fract();
-            let origin = Vec3::new(x * cell_x, y * cell_y, 0.0) + away;
+        for origin in beam.origins(self.tubes, particles, &mut self.rng) {
             match self.tubes.first_hit(origin, -omega_in) {
-                Some(hit) => self.queue(hit, *omega_in, std::iter::repeat_n(1.0, self.wavelengths)),
+                Some(hit) => {
+                    let arrival = Arrival {
+                        hit,
+                        omega_in,
+                        past: Past::NONE,
+                    };
+                    self.queue(arrival, std::iter::repeat_n(1.0, self.wavelengths));
+                }
                 None if self.backing.is_some() => {
-                    let all = vec![1.0; self.wavelengths];
-                    self.meet_backing(origin, -omega_in, &all);
+                    self.land(
+                        origin,
+                        -omega_in,
+                        std::iter::repeat_n(1.0, self.wavelengths),
+                        Past::NONE,
+                    );
                 }
                 None => self.sums.iter_mut().for_each(|sums| sums[THROUGH_GAPS] += 1.0),
             }
@@ -95,19 +128,24 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         std::mem::take(&mut self.queues[place(system)])
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.queues.iter().all(|queue| queue.arrivals.is_empty())
+    /// Those that wait at the backing, who then no longer wait.
+    pub fn take_landed(&mut self) -> Landed {
+        std::mem::take(&mut self.landed)
     }
 
-    /// Follows light that leaves a yarn. Where it meets another, one particle goes on for all of it, with a probability equal
-    /// to the mean of its weights if that is below 1: then at most as many particles are under way as came in, however many
-    /// parts the light of each is split into. `scattered` if particles of the medium sent it here, not a surface.
-    pub fn launch(&mut self, origin: Vec3, direction: Vec3, weights: &[f64], scattered: bool) {
+    pub fn is_empty(&self) -> bool {
+        self.queues.iter().all(|queue| queue.arrivals.is_empty()) && self.landed.arrivals.is_empty()
+    }
+
+    /// Follows light that leaves a yarn, or the backing. Where it meets another yarn, one particle goes on for all of it, with a
+    /// probability equal to the mean of its weights if that is below 1: then at most as many particles are under way as came in,
+    /// however many parts the light of each is split into.
+    pub fn launch(&mut self, origin: Vec3, direction: Vec3, weights: &[f64], past: Past) {
         let Some(hit) = self.tubes.first_hit(origin, direction) else {
             if self.backing.is_some() && (direction.z > 0.0) != self.light_above {
-                self.meet_backing(origin, direction, weights);
+                self.land(origin, direction, weights.iter().copied(), past);
             } else {
-                self.escape(&direction, weights, scattered);
+                self.escape(&direction, weights);
             }
             return;
         };
@@ -125,43 +163,54 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             sums[GAMES] += weight - goes_on;
         }
         if survives {
-            self.queue(hit, -direction, weights.iter().map(|weight| (worth * weight) as f32));
+            let arrival = Arrival {
+                hit,
+                omega_in: -direction,
+                past,
+            };
+            self.queue(arrival, weights.iter().map(|weight| (worth * weight) as f32));
         }
     }
 
-    /// The backing lies at the height of the cloth's lowest points and sends light back as a perfect diffuser of its reflectance;
-    /// the rest is absorbed.
-    fn meet_backing(&mut self, origin: Vec3, direction: Vec3, weights: &[f64]) {
-        let Some(reflectance) = self.backing else {
-            return;
-        };
-        let up = if self.light_above { 1.0 } else { -1.0 };
-        let height = -up * self.tubes.top_mm();
+    /// The backing lies at the height of the cloth's lowest points.
+    fn land(&mut self, origin: Vec3, direction: Vec3, weights: impl Iterator<Item = f64>, past: Past) {
+        let height = if self.light_above { -1.0 } else { 1.0 } * self.tubes.top_mm();
         let position = origin + direction * ((height - origin.z) / direction.z).max(0.0);
-        let mut sent_back = std::mem::take(&mut self.sent_back);
-        for ((back, weight), (sums, reflectance)) in sent_back
-            .iter_mut()
-            .zip(weights)
-            .zip(self.sums.iter_mut().zip(reflectance))
-        {
-            *back = weight * reflectance;
-            sums[ABSORBED] += weight - *back;
+        self.landed.arrivals.push(Landing {
+            position,
+            omega_in: -direction,
+            past,
+        });
+        self.landed.weights.extend(weights);
+    }
+
+    /// Sends light back from the backing, a perfect diffuser of its reflectance; the rest is absorbed. Leaves in `weights` what it
+    /// sends back.
+    pub fn send_back(&mut self, landing: &Landing, weights: &mut [f64]) {
+        let reflectance = self.backing.unwrap_or_default().iter();
+        for ((weight, sums), reflectance) in weights.iter_mut().zip(&mut self.sums).zip(reflectance) {
+            let back = *weight * reflectance;
+            sums[ABSORBED] += *weight - back;
+            *weight = back;
         }
+        let up = if self.light_above { 1.0 } else { -1.0 };
         let (sin2, around): (f64, f64) = (self.rng.random(), self.rng.random::<f64>() * std::f64::consts::TAU);
         let sin = sin2.sqrt();
         let diffuse = Vec3::new(sin * around.cos(), sin * around.sin(), up * (1.0 - sin2).sqrt());
-        // No density is worked out for the views, so the cones catch it.
-        self.launch(position, diffuse, &sent_back, false);
-        self.sent_back = sent_back;
+        let past = Past {
+            scattered: true,
+            ..landing.past
+        };
+        self.launch(landing.position, diffuse, weights, past);
     }
 
-    fn queue(&mut self, hit: TubeHit, omega_in: Vec3, weights: impl Iterator<Item = f32>) {
-        let queue = &mut self.queues[place(hit.yarn.system)];
-        queue.arrivals.push(Arrival { hit, omega_in });
+    fn queue(&mut self, arrival: Arrival, weights: impl Iterator<Item = f32>) {
+        let queue = &mut self.queues[place(arrival.hit.yarn.system)];
+        queue.arrivals.push(arrival);
         queue.weights.extend(weights);
     }
 
-    fn escape(&mut self, direction: &Vec3, weights: &[f64], scattered: bool) {
+    fn escape(&mut self, direction: &Vec3, weights: &[f64]) {
         let side = if (direction.z > 0.0) == self.light_above {
             REFLECTED
         } else {
@@ -169,9 +218,6 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         };
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
             sums[side] += weight;
-        }
-        if scattered && !self.catch_scattered {
-            return;
         }
         let caught = &mut self.caught;
         self.detector.find(direction, |bin, share| {

@@ -1,8 +1,10 @@
-use super::air::{Air, Arrival};
+use super::air::{Air, Arrival, Landing, Past};
+use super::passage::{Passage, Skin, mirrored};
+use super::sights::{Places, Seen, Sight};
+use super::straight::Straight;
 use super::{Beam, ClothBatch, ClothLedger, Detector, ViewCones};
 use crate::cloth::{System, Tubes};
 use crate::geometry::Vec3;
-use crate::optics::fresnel;
 use crate::transport::{Purpose, Stream};
 use crate::yarn::{Yarn, YarnScatter, kept_by_straight_yarn};
 use rand::RngExt;
@@ -29,210 +31,244 @@ pub struct Bounces<'a> {
     pub seed: u64,
 }
 
-/// What goes towards one viewer.
-struct Seen {
-    /// Unit vector.
-    towards: Vec3,
-    /// Per steradian, at each wavelength, summed over particles.
-    flux: Vec<f64>,
+/// Views that look on while light goes from yarn to yarn.
+pub struct Onlookers<'a> {
+    pub places: &'a Places,
+    /// One of each view.
+    pub sights: Vec<&'a Sight>,
+    /// About the same views.
+    pub cones: &'a ViewCones,
 }
 
-/// Inner hits that ballistic light is followed for; what has not left by then scatters.
-const INNER_HITS: usize = 16;
-/// Below this nothing is left to follow.
-const NOTHING: f64 = 1e-6;
+/// What of the particles' light goes to one view.
+struct Flux<'a> {
+    sight: &'a Sight,
+    /// Radiance at each wavelength, summed over particles and rays, in 1/(mm² sr).
+    sum: Vec<f64>,
+}
 
+/// Rays of light that surfaces alone turn for one particle: they cost a tenth, and few of them are caught.
+const STRAIGHT: usize = 8;
 impl Bounces<'_> {
     /// Batch number `batch` of `particles` particles, whose light `detector` catches as it leaves.
     pub fn batch<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> ClothBatch {
-        self.trace(beam, detector, true, &mut [], batch, particles)
+        self.trace(beam, detector, None, batch, particles)
     }
 
-    /// What views see of light that was not scattered by the first yarn that the beam met and by no other, and of what that yarn
-    /// scatters beyond a straight one: the brightness factor
-    /// at [view][wavelength]; and the ledger of all light. Light scattered last is worked out for each view from `particles` particles; light that a surface
-    /// sends on last has no density in direction, and is caught in the cones, from `straight` times as many.
+    pub(super) fn wavelengths(&self) -> usize {
+        self.yarns[0].medium.grid().len()
+    }
+
+    pub(super) fn skins(&self) -> [Skin; 2] {
+        self.yarns.map(Skin::new)
+    }
+
+    /// What views see of light that the first yarn it met has not scattered, or not that yarn alone, and of what it
+    /// scatters beyond a straight one: the brightness factor at [view][wavelength]; and the ledger of all light. Light that was
+    /// scattered is worked out where a view's camera rays end; what surfaces alone have turned has no density in direction, and
+    /// is caught in the cones.
     pub fn between(
         &self,
         beam: &Beam,
-        cones: &ViewCones,
+        onlookers: &Onlookers,
         batch: usize,
         particles: usize,
-        straight: usize,
     ) -> (Vec<Vec<f64>>, Vec<ClothLedger>) {
-        let wavelengths = self.yarns[0].medium.grid().len();
-        let mut views: Vec<Seen> = (cones.views().iter())
-            .map(|&towards| Seen {
-                towards,
-                flux: vec![0.0; wavelengths],
+        let Onlookers { places, sights, cones } = onlookers;
+        let mut views: Vec<Flux> = sights
+            .iter()
+            .map(|sight| Flux {
+                sight,
+                sum: vec![0.0; self.wavelengths()],
             })
             .collect();
-        self.trace(beam, &Nothing, false, &mut views, batch, particles);
-        let ClothBatch { caught, ledger } = self.trace(beam, cones, false, &mut [], batch, straight * particles);
-        let of_view = |(k, (seen, caught)): (usize, (Seen, Vec<f64>))| {
-            let per_flux = PI / (seen.towards.z.abs() * particles as f64);
-            let per_caught = PI / cones.projected_solid_angle(k);
-            let both = seen.flux.iter().zip(caught);
-            both.map(|(flux, caught)| flux * per_flux + caught * per_caught)
+        let watched = Some((*places, &mut views[..]));
+        let ClothBatch { ledger, .. } = self.trace(beam, &Nothing, watched, batch, particles);
+        let caught = Straight::new(self).caught(beam, *cones, batch, STRAIGHT * particles);
+        let cell_mm2 = self.tubes.cell_mm().iter().product::<f64>();
+        let of_view = |(k, (Flux { sight, sum }, caught)): (usize, (Flux, Vec<f64>))| {
+            let per_flux = PI * cell_mm2 / (sight.rays * particles) as f64;
+            let per_caught = if std::env::var("NOC").is_ok() {
+                0.0
+            } else {
+                PI / cones.projected_solid_angle(k)
+            };
+            let bare = self.bare_backing(beam, places, sight);
+            sum.iter()
+                .zip(caught)
+                .zip(bare)
+                .map(|((sum, caught), bare)| sum * per_flux + caught * per_caught + bare)
                 .collect()
         };
         (views.into_iter().zip(caught).enumerate().map(of_view).collect(), ledger)
     }
 
-    /// `views` ask for light that has been to another yarn before.
+    /// Brightness factor of the backing where beam and view reach it past the yarns.
+    fn bare_backing(&self, beam: &Beam, places: &Places, sight: &Sight) -> Vec<f64> {
+        let Some(reflectance) = self.backing else {
+            return vec![0.0; self.wavelengths()];
+        };
+        let lit = |position: Vec3| self.tubes.first_hit(position, beam.omega_in).is_none();
+        let bare = sight.bare(places).filter(|end| lit(end.position)).count();
+        let share = bare as f64 / sight.rays as f64;
+        reflectance.iter().map(|reflectance| share * reflectance).collect()
+    }
+
     fn trace<D: Detector>(
         &self,
         beam: &Beam,
         detector: &D,
-        catch_scattered: bool,
-        views: &mut [Seen],
+        mut views: Option<(&Places, &mut [Flux])>,
         batch: usize,
         particles: usize,
     ) -> ClothBatch {
-        // Two traces of a batch share no numbers.
-        let first = 2 * usize::from(views.is_empty());
-        let stream = |number| Stream::open(self.seed, Purpose::Bounces, beam.number, batch, first + number);
-        let wavelengths = self.yarns[0].medium.grid().len();
-        let mut air = Air::new(
-            self.tubes,
-            self.backing,
-            detector,
-            catch_scattered,
-            stream(0),
-            wavelengths,
-        );
+        let stream = |number| Stream::open(self.seed, Purpose::Bounces, beam.number, batch, number);
+        let wavelengths = self.wavelengths();
+        let mut air = Air::new(self.tubes, self.backing, detector, stream(0), wavelengths);
         let mut rng = stream(1);
         let mut parts = Parts::new(wavelengths);
-        air.shine(&beam.omega_in, particles);
-        let mut visited = 0;
+        let skins = self.skins();
+        air.shine(beam, particles);
         while !air.is_empty() {
-            for (system, (yarn, scatter)) in [System::Warp, System::Weft]
-                .into_iter()
-                .zip(self.yarns.into_iter().zip(self.scatter))
-            {
+            for (k, system) in [System::Warp, System::Weft].into_iter().enumerate() {
+                let (yarn, skin, scatter) = (self.yarns[k], &skins[k], self.scatter[k]);
                 let waiting = air.take(system);
                 for (arrival, weights) in waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths)) {
-                    if visited > self.most {
+                    if arrival.past.yarns > self.most {
                         air.keep(weights.iter().map(|w| [f64::from(*w), 0.0]));
                         continue;
                     }
-                    self.cross(yarn, arrival, weights, &mut parts, &mut air);
-                    if visited > 0 {
-                        self.show(scatter, arrival, &parts.inside, views, &mut rng);
-                    } else if !views.is_empty() {
-                        // Shading in the sun has the straight yarn's share already.
-                        straight_yarn(yarn, arrival, weights, &mut parts.out);
-                        for (straight, inside) in parts.out.iter_mut().zip(&parts.inside) {
-                            *straight = inside - *straight;
+                    self.cross((yarn, skin), arrival, weights, &mut parts, &mut air, &mut rng);
+                    if let Some((places, views)) = &mut views {
+                        if arrival.past == Past::NONE {
+                            straight_yarn(yarn, skin, arrival, weights, &mut parts.out);
+                            for (beyond, inside) in parts.out.iter_mut().zip(&parts.inside) {
+                                *beyond = inside - *beyond;
+                            }
                         }
-                        self.show(scatter, arrival, &parts.out, views, &mut rng);
+                        self.show(scatter, arrival, &parts, places, views, &mut rng);
                     }
                     self.scatter(scatter, arrival, &mut parts, &mut air, &mut rng);
                 }
             }
-            visited += 1;
+            let mut landed = air.take_landed();
+            for (landing, weights) in (landed.arrivals.iter()).zip(landed.weights.chunks_exact_mut(wavelengths)) {
+                air.send_back(landing, weights);
+                if let Some((places, views)) = &mut views {
+                    self.show_backing(landing, weights, places, views, &mut rng);
+                }
+            }
         }
         air.batch(particles)
     }
 
     /// Sends on what the surface reflects and what crosses the yarn; leaves in `parts.inside` what does neither.
-    fn cross<D: Detector>(
+    pub(super) fn cross<D: Detector>(
         &self,
-        yarn: &Yarn,
+        (yarn, skin): (&Yarn, &Skin),
         arrival: &Arrival,
         weights: &[f32],
         parts: &mut Parts,
         air: &mut Air<'_, D, Xoshiro256PlusPlus>,
+        rng: &mut Xoshiro256PlusPlus,
     ) {
-        let (hit, omega_in) = (&arrival.hit, arrival.omega_in);
-        let medium = &yarn.medium;
-        // Dispersion of the host parts ballistic light of different wavelengths; it goes along the way of the middle one.
-        let index = medium.host_index()[medium.host_index().len() / 2];
-        let mut normal = hit.frame.normal;
-        let cos_in = normal.dot(&omega_in).clamp(0.0, 1.0);
-        let outside = fresnel::interface(cos_in, index);
+        let (hit, direction) = (&arrival.hit, -arrival.omega_in);
+        let past = arrival.past.through_yarn(false);
+        let outside = skin.outside(hit, &direction);
         for ((inside, out), weight) in parts.inside.iter_mut().zip(&mut parts.out).zip(weights) {
             *out = outside.reflectance * f64::from(*weight);
             *inside = f64::from(*weight) - *out;
         }
         if self.surface_reflection {
-            air.launch(hit.position, normal * (2.0 * cos_in) - omega_in, &parts.out, false);
+            air.launch(hit.position, mirrored(hit, &direction), &parts.out, past);
         } else {
             air.keep(parts.out.iter().map(|out| [*out, 0.0]));
         }
-        parts.straight.copy_from_slice(&parts.inside);
-        let mut position = hit.position;
-        let mut direction = refracted(&-omega_in, &normal, cos_in, outside.cos_t, 1.0 / index);
-        for _ in 0..INNER_HITS {
-            let length_mm =
-                self.tubes
-                    .inside_distance(hit.yarn.system, position.into(), direction.into(), f64::INFINITY);
-            if !length_mm.is_finite() {
-                return;
-            }
-            let extinction = medium
-                .mu_s_per_mm()
-                .iter()
-                .zip(medium.mu_a_per_mm())
-                .map(|(s, a)| s + a);
-            let mut most = 0.0f64;
-            for (straight, extinction) in parts.straight.iter_mut().zip(extinction) {
-                *straight *= (-extinction * length_mm).exp();
-                most = most.max(*straight);
-            }
-            if most < NOTHING {
-                return;
-            }
-            let (on_surface, outward) = self
-                .tubes
-                .surface(hit.yarn.system, (position + direction * length_mm).into());
-            (position, normal) = (on_surface.into(), outward.into());
-            let cos_i = direction.dot(&normal).clamp(0.0, 1.0);
-            let surface = fresnel::interface(cos_i, 1.0 / index);
-            if surface.reflectance < 1.0 {
-                let transmittance = 1.0 - surface.reflectance;
-                let rows = parts.inside.iter_mut().zip(&mut parts.straight).zip(&mut parts.out);
-                for ((inside, straight), out) in rows {
-                    *out = transmittance * *straight;
-                    *straight -= *out;
-                    *inside -= *out;
-                }
-                let leaving = refracted(&direction, &-normal, cos_i, surface.cos_t, index);
-                air.launch(position, leaving, &parts.out, false);
-            }
-            direction -= normal * (2.0 * cos_i);
+        let Some(Passage {
+            position,
+            direction,
+            length_mm,
+        }) = skin.passage(self.tubes, hit, &direction, &outside, rng)
+        else {
+            return;
+        };
+        let medium = &yarn.medium;
+        let extinction = medium
+            .mu_s_per_mm()
+            .iter()
+            .zip(medium.mu_a_per_mm())
+            .map(|(s, a)| s + a);
+        for ((inside, out), extinction) in parts.inside.iter_mut().zip(&mut parts.out).zip(extinction) {
+            *out = *inside * (-extinction * length_mm).exp();
+            *inside -= *out;
         }
+        air.launch(position, direction, &parts.out, past);
     }
 
-    /// Adds to what the views see of the light inside that is about to leave, at a point of the section drawn for each view among
-    /// those that face it.
+    /// Adds to what the views see of the light inside that is about to leave, at one for all of the ends of each view's rays
+    /// on this piece of the yarn. Of light straight from the beam, shading in the sun has shown what a straight yarn scatters
+    /// straight to the view: `parts.out` is the rest.
     fn show(
         &self,
         scatter: &YarnScatter,
         arrival: &Arrival,
-        inside: &[f64],
-        views: &mut [Seen],
+        parts: &Parts,
+        places: &Places,
+        views: &mut [Flux],
         rng: &mut Xoshiro256PlusPlus,
     ) {
-        let hit = &arrival.hit;
-        let meeting = scatter.meet(&hit.frame.to_local(&arrival.omega_in));
-        for Seen { towards: view, flux } in views {
-            let towards = hit.frame.to_local(view);
-            let facing = towards.x.atan2(towards.z);
-            let (sin, cos) = (facing + PI * (rng.random::<f64>() - 0.5)).sin_cos();
-            let normal = Vec3::new(sin, 0.0, cos);
-            let outward = hit.frame.to_world(&normal);
-            let position: Vec3 = self
-                .tubes
-                .beside(hit.yarn.system, hit.position.into(), outward.into())
-                .into();
-            if self.tubes.first_hit(position, *view).is_some() {
+        let frame = &arrival.hit.frame;
+        let meeting = scatter.meet(&frame.to_local(&arrival.omega_in));
+        let place = places.of_yarn(self.tubes, &arrival.hit);
+        let show = |sum: &mut [f64], seen: Option<Seen>, leaving: &[f64]| {
+            let Some(Seen { end, weights, of_ends }) = seen else {
+                return;
+            };
+            if arrival.past.yarns.saturating_add(end.yarns) > self.most {
+                return;
+            }
+            let normal = frame.to_local(&end.normal);
+            let across = normal.x.hypot(normal.z);
+            let normal = Vec3::new(normal.x / across, 0.0, normal.z / across);
+            let towards = frame.to_local(&end.towards);
+            let radiance = scatter.radiance(&meeting, &normal, &towards);
+            let share = of_ends * end.per_surface;
+            for (((sum, leaving), weight), radiance) in sum.iter_mut().zip(leaving).zip(weights).zip(radiance) {
+                *sum += share * f64::from(*weight) * leaving * radiance;
+            }
+        };
+        for Flux { sight, sum } in views {
+            if arrival.past == Past::NONE {
+                show(sum, sight.at(place, false, rng.random()), &parts.out);
+                show(sum, sight.at(place, true, rng.random()), &parts.inside);
+            } else {
+                show(sum, sight.at_any(place, rng.random()), &parts.inside);
+            }
+        }
+    }
+
+    /// The same of light that the backing sends back, but for what beam and view reach past the yarns.
+    fn show_backing(
+        &self,
+        landing: &Landing,
+        sent_back: &[f64],
+        places: &Places,
+        views: &mut [Flux],
+        rng: &mut Xoshiro256PlusPlus,
+    ) {
+        let place = places.of_backing(&landing.position);
+        for Flux { sight, sum } in views {
+            let Some(Seen { end, weights, of_ends }) = sight.at_any(place, rng.random()) else {
+                continue;
+            };
+            if landing.past.yarns + end.yarns > self.most.saturating_add(1)
+                || (landing.past == Past::NONE && end.yarns == 0)
+            {
                 continue;
             }
-            let densities = scatter.density(&meeting, &normal, &towards);
-            for ((sum, weight), density) in flux.iter_mut().zip(inside).zip(densities) {
-                // Evenly over half the way round.
-                *sum += PI * weight * density;
+            let share = of_ends * end.per_surface / PI;
+            for ((sum, sent_back), weight) in sum.iter_mut().zip(sent_back).zip(weights) {
+                *sum += share * f64::from(*weight) * sent_back;
             }
         }
     }
@@ -264,23 +300,21 @@ impl Bounces<'_> {
             position.into(),
             hit.frame.to_world(&leaving.direction),
             &parts.out,
-            true,
+            arrival.past.through_yarn(true),
         );
     }
 }
 
-/// Weights of one particle at every wavelength: inside and not ballistic, ballistic so far, and on the way out.
-struct Parts {
+/// Weights of one particle at every wavelength: inside and not ballistic, and on the way out.
+pub(super) struct Parts {
     inside: Vec<f64>,
-    straight: Vec<f64>,
     out: Vec<f64>,
 }
 
 impl Parts {
-    fn new(wavelengths: usize) -> Self {
+    pub fn new(wavelengths: usize) -> Self {
         Self {
             inside: vec![0.0; wavelengths],
-            straight: vec![0.0; wavelengths],
             out: vec![0.0; wavelengths],
         }
     }
@@ -288,18 +322,16 @@ impl Parts {
 
 /// Of light that meets a straight yarn, what is neither reflected nor ballistic: f* was traced in one. In a bent one
 /// surfaces lean towards each other, and light that a straight one lets through is totally reflected and scatters after all.
-fn straight_yarn(yarn: &Yarn, arrival: &Arrival, weights: &[f32], inside: &mut [f64]) {
-    let hosts = yarn.medium.host_index();
-    let index = hosts[hosts.len() / 2];
+fn straight_yarn(yarn: &Yarn, skin: &Skin, arrival: &Arrival, weights: &[f32], inside: &mut [f64]) {
     let local = arrival.hit.frame.to_local(&arrival.omega_in);
-    let surface = fresnel::interface(local.z.clamp(0.0, 1.0), index);
+    let surface = skin.outside(&arrival.hit, &-arrival.omega_in);
     for (w, (inside, weight)) in inside.iter_mut().zip(weights).enumerate() {
-        *inside = f64::from(*weight) * kept_by_straight_yarn(yarn, w, &surface, local.y / index);
+        *inside = f64::from(*weight) * kept_by_straight_yarn(yarn, w, &surface, local.y / skin.index);
     }
 }
 
 /// Catches nothing.
-struct Nothing;
+pub(super) struct Nothing;
 
 impl Detector for Nothing {
     fn bins(&self) -> usize {
@@ -307,9 +339,4 @@ impl Detector for Nothing {
     }
 
     fn find(&self, _: &Vec3, _: impl FnMut(usize, f64)) {}
-}
-
-/// Unit direction behind an interface whose `normal` points back to where the light comes from; `ratio` = n_i/n_t.
-fn refracted(direction: &Vec3, normal: &Vec3, cos_i: f64, cos_t: f64, ratio: f64) -> Vec3 {
-    (direction * ratio + normal * (ratio * cos_i - cos_t)).normalize()
 }

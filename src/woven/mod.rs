@@ -8,14 +8,20 @@ mod air;
 mod bounces;
 mod detector;
 mod ledger;
+mod passage;
+mod sights;
+mod straight;
 mod volumetric;
 
-pub use bounces::Bounces;
+pub use bounces::{Bounces, Onlookers};
 pub use detector::{Detector, HemisphereNodes, ViewCones};
 pub use ledger::ClothLedger;
+pub use sights::{Places, Sight};
 pub use volumetric::{Inside, Volumetric};
 
+use crate::cloth::Tubes;
 use crate::geometry::Vec3;
+use rand::{Rng, RngExt};
 
 /// A parallel beam onto the whole cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +30,24 @@ pub struct Beam {
     pub omega_in: Vec3,
     /// Tells the random streams of a study's beams apart.
     pub number: usize,
+}
+
+impl Beam {
+    /// Where `particles` of it set out, over the cloth and evenly spread over the cell of its plane: strata along x in order, along
+    /// y at the golden ratio's multiples.
+    fn origins(&self, tubes: &Tubes, particles: usize, rng: &mut impl Rng) -> Vec<Vec3> {
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+        let [cell_x, cell_y] = tubes.cell_mm();
+        let away = self.omega_in * (2.0 * tubes.top_mm() / self.omega_in.z.abs());
+        let shift: f64 = rng.random();
+        (0..particles)
+            .map(|k| {
+                let x = (k as f64 + rng.random::<f64>()) / particles as f64;
+                let y = (shift + GOLDEN * k as f64).fract();
+                Vec3::new(x * cell_x, y * cell_y, 0.0) + away
+            })
+            .collect()
+    }
 }
 
 /// What one batch of particles of one beam gives.

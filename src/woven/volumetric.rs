@@ -1,4 +1,4 @@
-use super::air::{Air, Queue};
+use super::air::{Air, Past, Queue};
 use super::{Beam, ClothBatch, Detector};
 use crate::cloth::{System, Tubes};
 use crate::geometry::Vec3;
@@ -64,12 +64,17 @@ impl Volumetric<'_> {
             Stream::open(self.seed, Purpose::Woven, beam.number, batch, stream_number)
         };
         let wavelengths = self.interiors[0].wavelengths();
-        let air = RefCell::new(Air::new(self.tubes, self.backing, detector, true, next(), wavelengths));
-        air.borrow_mut().shine(&beam.omega_in, particles);
+        let air = RefCell::new(Air::new(self.tubes, self.backing, detector, next(), wavelengths));
+        air.borrow_mut().shine(beam, particles);
         while !air.borrow().is_empty() {
             for (system, interior) in [System::Warp, System::Weft].into_iter().zip(self.interiors) {
                 let waiting = air.borrow_mut().take(system);
                 self.through(system, interior, waiting, &air, next());
+            }
+            let mut landed = air.borrow_mut().take_landed();
+            let rows = landed.weights.chunks_exact_mut(wavelengths);
+            for (landing, weights) in landed.arrivals.iter().zip(rows) {
+                air.borrow_mut().send_back(landing, weights);
             }
         }
         air.into_inner().batch(particles)
@@ -111,7 +116,7 @@ impl Volumetric<'_> {
                     }
                     let direction = normal * (2.0 * cos_in) - omega_in;
                     air.borrow_mut()
-                        .launch(arrival.hit.position, direction, &mirrored, false);
+                        .launch(arrival.hit.position, direction, &mirrored, Past::NONE);
                 }
                 Entry {
                     position: arrival.hit.position,
@@ -121,7 +126,7 @@ impl Volumetric<'_> {
             },
             |exit| {
                 air.borrow_mut()
-                    .launch(exit.position, exit.direction, exit.weights, exit.scattered)
+                    .launch(exit.position, exit.direction, exit.weights, Past::NONE)
             },
         );
         let kept = traced.ledgers.iter().map(|ledger| {

@@ -156,12 +156,12 @@ impl YarnScatter {
     }
 
     /// Of light that is neither reflected nor ballistic, the fraction that leaves at a point of the section along a direction, per
-    /// radian of azimuth and steradian, at each wavelength.
-    pub fn density(&self, meeting: &Meeting, normal: &Vec3, direction: &Vec3) -> impl Iterator<Item = f64> {
+    /// radian of azimuth and steradian perpendicular to the direction, at each wavelength: over the surface per radian, the radiance.
+    pub fn radiance(&self, meeting: &Meeting, normal: &Vec3, direction: &Vec3) -> impl Iterator<Item = f64> {
         let cell = self.cells.cell(&meeting.side, normal, direction);
         let exit = self.grid.surface().exit();
         let both_images = TAU / self.grid.azimuths() as f64;
-        let per = direction.dot(normal) / (both_images * exit.projected_solid_angle(cell % exit.cells()));
+        let per = 1.0 / (both_images * exit.projected_solid_angle(cell % exit.cells()));
         self.row(cell).iter().map(move |x| x * per)
     }
 

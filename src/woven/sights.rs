@@ -1,0 +1,198 @@
+use super::Beam;
+use super::air::Air;
+use super::bounces::{Bounces, Nothing, Parts};
+use crate::cloth::{System, TubeHit, Tubes};
+use crate::geometry::Vec3;
+use crate::transport::{Purpose, Stream};
+use std::ops::Range;
+
+/// Where light that a view sees comes from: points of yarns and of the backing that its camera rays meet, straight or on through
+/// yarns by their surfaces alone. What surfaces turn on its way to the view thus has no need to be caught there.
+pub struct Sight {
+    /// Of the ends of each place with no yarn between, then of its others, and the number of ends at the end.
+    starts: Vec<u32>,
+    ends: Vec<End>,
+    /// What of the light of an end arrives: end × wavelength, wavelength fastest.
+    weights: Vec<f32>,
+    wavelengths: usize,
+    /// Camera rays, even over the cell of the cloth's plane.
+    pub(super) rays: usize,
+}
+
+/// One of the points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct End {
+    place: usize,
+    pub position: Vec3,
+    /// Of the yarn; unit vector out of it.
+    pub normal: Vec3,
+    /// Unit vector in which light leaves that arrives at the view.
+    pub towards: Vec3,
+    /// Yarns between it and the view.
+    pub yarns: usize,
+    /// 1/mm²: of a yarn, over the surface of the place per radian of the normal; of the backing, over the place's area.
+    pub per_surface: f64,
+}
+
+/// Light of one end: what arrives of it, and for how many ends of the place it stands.
+pub(super) struct Seen<'a> {
+    pub end: &'a End,
+    pub weights: &'a [f32],
+    pub of_ends: f64,
+}
+
+/// A yarn's scattering forgets where along a short piece of the yarn light came in, and the backing's where in a small square: pieces
+/// and squares of the cell, numbered.
+#[derive(Clone, Debug)]
+pub struct Places {
+    /// Pieces of one yarn of warp and weft, and the first number of each system, and of the backing.
+    pieces: [usize; 2],
+    first: [usize; 3],
+    squares: [usize; 2],
+    cell_mm: [f64; 2],
+}
+
+impl Places {
+    /// Pieces of yarn, and sides of squares, are as long as this at most.
+    pub fn new(tubes: &Tubes, piece_mm: f64, square_mm: f64) -> Self {
+        let count = |length: f64, most: f64| (length / most).ceil() as usize;
+        let cell_mm = tubes.cell_mm();
+        let pieces = [System::Warp, System::Weft].map(|system| count(tubes.repeat_mm(system), piece_mm));
+        let warps = tubes.yarns(System::Warp) * pieces[0];
+        let wefts = tubes.yarns(System::Weft) * pieces[1];
+        Self {
+            pieces,
+            first: [0, warps, warps + wefts],
+            squares: cell_mm.map(|length| count(length, square_mm)),
+            cell_mm,
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.first[2] + self.squares[0] * self.squares[1]
+    }
+
+    /// Number of the piece of yarn that light meets.
+    pub(super) fn of_yarn(&self, tubes: &Tubes, hit: &TubeHit) -> usize {
+        let system = hit.yarn.system;
+        let k = usize::from(system == System::Weft);
+        let place_mm = tubes.place_mm(system, hit.position.into());
+        let along = place_mm / tubes.repeat_mm(system) * self.pieces[k] as f64;
+        let piece = (along as usize).min(self.pieces[k] - 1);
+        self.first[k] + hit.yarn.index as usize * self.pieces[k] + piece
+    }
+
+    pub(super) fn of_backing(&self, position: &Vec3) -> usize {
+        let [column, row] = [0, 1].map(|k| {
+            let along = position[k].rem_euclid(self.cell_mm[k]) / self.cell_mm[k] * self.squares[k] as f64;
+            (along as usize).min(self.squares[k] - 1)
+        });
+        self.first[2] + row * self.squares[0] + column
+    }
+
+    fn piece_mm(&self, tubes: &Tubes, system: System) -> f64 {
+        tubes.repeat_mm(system) / self.pieces[usize::from(system == System::Weft)] as f64
+    }
+
+    fn square_mm2(&self) -> f64 {
+        self.cell_mm[0] * self.cell_mm[1] / (self.squares[0] * self.squares[1]) as f64
+    }
+}
+
+impl Sight {
+    /// Of one view, above the cloth; `view` is a unit vector, and `number` tells the random streams of views apart.
+    pub fn new(light: &Bounces, places: &Places, view: &Vec3, number: usize, batch: usize, rays: usize) -> Self {
+        let tubes = light.tubes;
+        let wavelengths = light.wavelengths();
+        let stream = |k| Stream::open(light.seed, Purpose::Sights, number, batch, k);
+        let mut air = Air::new(tubes, light.backing, &Nothing, stream(0), wavelengths);
+        let mut rng = stream(1);
+        let skins = light.skins();
+        let mut parts = Parts::new(wavelengths);
+        let (mut ends, mut weights) = (Vec::new(), Vec::new());
+        let camera = Beam {
+            omega_in: *view,
+            number,
+        };
+        air.shine(&camera, rays);
+        while !air.is_empty() {
+            for (k, system) in [System::Warp, System::Weft].into_iter().enumerate() {
+                let crossed = (light.yarns[k], &skins[k]);
+                let waiting = air.take(system);
+                for (arrival, of_arrival) in waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths)) {
+                    let surface_mm = tubes.surface_mm(system, arrival.hit.position.into());
+                    ends.push(End {
+                        place: places.of_yarn(tubes, &arrival.hit),
+                        position: arrival.hit.position,
+                        normal: arrival.hit.frame.normal,
+                        towards: arrival.omega_in,
+                        yarns: arrival.past.yarns,
+                        per_surface: 1.0 / (surface_mm * places.piece_mm(tubes, system)),
+                    });
+                    weights.extend_from_slice(of_arrival);
+                    if arrival.past.yarns <= light.most {
+                        light.cross(crossed, arrival, of_arrival, &mut parts, &mut air, &mut rng);
+                    }
+                }
+            }
+            let landed = air.take_landed();
+            for (landing, of_landing) in landed.arrivals.iter().zip(landed.weights.chunks_exact(wavelengths)) {
+                ends.push(End {
+                    place: places.of_backing(&landing.position),
+                    position: landing.position,
+                    normal: Vec3::z(),
+                    towards: landing.omega_in,
+                    yarns: landing.past.yarns,
+                    per_surface: 1.0 / places.square_mm2(),
+                });
+                weights.extend(of_landing.iter().map(|weight| *weight as f32));
+            }
+        }
+        Self::sorted(places.count(), &ends, &weights, wavelengths, rays)
+    }
+
+    fn sorted(places: usize, ends: &[End], weights: &[f32], wavelengths: usize, rays: usize) -> Self {
+        let mut order: Vec<usize> = (0..ends.len()).collect();
+        let group = |k: &usize| 2 * ends[*k].place + usize::from(ends[*k].yarns > 0);
+        order.sort_by_key(group);
+        let starts = (0..=2 * places).map(|wanted| order.partition_point(|k| group(k) < wanted) as u32);
+        Self {
+            starts: starts.collect(),
+            ends: order.iter().map(|&k| ends[k]).collect(),
+            weights: (order.iter())
+                .flat_map(|&k| weights[k * wavelengths..(k + 1) * wavelengths].iter().copied())
+                .collect(),
+            wavelengths,
+            rays,
+        }
+    }
+
+    /// One end of a place for all of those with no yarn between, or for all others, by an even number from 0 to below 1; none where
+    /// there is none.
+    pub(super) fn at(&self, place: usize, past_yarns: bool, even: f64) -> Option<Seen<'_>> {
+        let group = 2 * place + usize::from(past_yarns);
+        self.one_of(group..group + 1, even)
+    }
+
+    /// The same for all ends of the place.
+    pub(super) fn at_any(&self, place: usize, even: f64) -> Option<Seen<'_>> {
+        self.one_of(2 * place..2 * place + 2, even)
+    }
+
+    fn one_of(&self, groups: Range<usize>, even: f64) -> Option<Seen<'_>> {
+        let [first, next] = [groups.start, groups.end].map(|k| self.starts[k] as usize);
+        let count = next - first;
+        let k = first + ((even * count as f64) as usize).min(count.checked_sub(1)?);
+        Some(Seen {
+            end: &self.ends[k],
+            weights: &self.weights[k * self.wavelengths..(k + 1) * self.wavelengths],
+            of_ends: count as f64,
+        })
+    }
+
+    /// Those on the backing with nothing between.
+    pub(super) fn bare(&self, places: &Places) -> impl Iterator<Item = &End> {
+        let on_backing = self.starts[2 * places.first[2]] as usize;
+        self.ends[on_backing..].iter().filter(|end| end.yarns == 0)
+    }
+}

@@ -1,0 +1,114 @@
+use super::bounces::Bounces;
+use super::passage::{Passage, Skin, mirrored};
+use super::{Beam, Detector};
+use crate::cloth::{System, TubeHit};
+use crate::geometry::Vec3;
+use crate::optics::fresnel::Interface;
+use crate::transport::{Purpose, Stream};
+use rand::{Rng, RngExt};
+
+/// Light that no particle of a medium scatters and surfaces alone turn. It goes the way of a ray, which is the same at all wavelengths;
+/// what is left of it is worked out from its lengths in warp and weft where it is caught.
+pub(super) struct Straight<'a> {
+    light: &'a Bounces<'a>,
+    skins: [Skin; 2],
+}
+
+struct Ray {
+    position: Vec3,
+    direction: Vec3,
+    /// What outer surfaces left of the light.
+    weight: f64,
+    length_mm: [f64; 2],
+    yarns: usize,
+}
+
+impl<'a> Straight<'a> {
+    pub fn new(light: &'a Bounces<'a>) -> Self {
+        Self {
+            light,
+            skins: light.skins(),
+        }
+    }
+
+    /// What `detector` catches of it, as a fraction of the beam: [bin][wavelength].
+    pub fn caught<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> Vec<Vec<f64>> {
+        let light = self.light;
+        let mut rng = Stream::open(light.seed, Purpose::Straight, beam.number, batch, 0);
+        let mut caught = vec![vec![0.0; light.wavelengths()]; detector.bins()];
+        for origin in beam.origins(light.tubes, particles, &mut rng) {
+            let direction = -beam.omega_in;
+            let Some(hit) = light.tubes.first_hit(origin, direction) else {
+                continue;
+            };
+            let outside = self.skins[place(&hit)].outside(&hit, &direction);
+            let ray = |direction, share: f64| Ray {
+                position: hit.position,
+                direction,
+                weight: share / particles as f64,
+                length_mm: [0.0; 2],
+                yarns: 1,
+            };
+            if light.surface_reflection {
+                let mirrored = ray(mirrored(&hit, &direction), outside.reflectance);
+                self.follow(mirrored, detector, &mut caught, &mut rng);
+            }
+            let mut refracted = ray(direction, 1.0 - outside.reflectance);
+            if self.through(&mut refracted, &hit, &outside, &mut rng) {
+                self.follow(refracted, detector, &mut caught, &mut rng);
+            }
+        }
+        caught
+    }
+
+    /// Follows a ray in the air until it has left the cloth and is caught. At a surface it is reflected with the probability of
+    /// the reflectance.
+    fn follow<D: Detector>(&self, mut ray: Ray, detector: &D, caught: &mut [Vec<f64>], rng: &mut impl Rng) {
+        let light = self.light;
+        while let Some(hit) = light.tubes.first_hit(ray.position, ray.direction) {
+            if ray.yarns > light.most {
+                return;
+            }
+            ray.yarns += 1;
+            ray.position = hit.position;
+            let outside = self.skins[place(&hit)].outside(&hit, &ray.direction);
+            if !light.surface_reflection {
+                ray.weight *= 1.0 - outside.reflectance;
+            } else if rng.random::<f64>() < outside.reflectance {
+                ray.direction = mirrored(&hit, &ray.direction);
+                continue;
+            }
+            if !self.through(&mut ray, &hit, &outside, rng) {
+                return;
+            }
+        }
+        detector.find(&ray.direction, |bin, share| {
+            let [warp, weft] = light.yarns.map(|yarn| &yarn.medium);
+            for (w, sum) in caught[bin].iter_mut().enumerate() {
+                let depth = (warp.mu_s_per_mm()[w] + warp.mu_a_per_mm()[w]) * ray.length_mm[0]
+                    + (weft.mu_s_per_mm()[w] + weft.mu_a_per_mm()[w]) * ray.length_mm[1];
+                *sum += share * ray.weight * (-depth).exp();
+            }
+        });
+    }
+
+    /// Takes a ray through the yarn that it has met; false if nothing comes out.
+    fn through(&self, ray: &mut Ray, hit: &TubeHit, outside: &Interface, rng: &mut impl Rng) -> bool {
+        let k = place(hit);
+        let Some(Passage {
+            position,
+            direction,
+            length_mm,
+        }) = self.skins[k].passage(self.light.tubes, hit, &ray.direction, outside, rng)
+        else {
+            return false;
+        };
+        (ray.position, ray.direction) = (position, direction);
+        ray.length_mm[k] += length_mm;
+        true
+    }
+}
+
+fn place(hit: &TubeHit) -> usize {
+    usize::from(hit.yarn.system == System::Weft)
+}

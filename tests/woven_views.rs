@@ -1,0 +1,151 @@
+//! What views see of light between yarns, worked out where their rays end, against what cones about the views catch of particles that
+//! leave the cloth.
+
+use rayon::prelude::*;
+use specval::cloth::{ClothSpec, Tubes};
+use specval::geometry::Vec3;
+use specval::optics::{Interference, Medium, MediumSpec};
+use specval::rig::{omega_in, omega_out};
+use specval::spectrum::{Spectrum, WavelengthGrid};
+use specval::transport::{Cylinder, Estimate, Roulette};
+use specval::woven::{Beam, Bounces, Onlookers, Places, Sight, ViewCones};
+use specval::yarn::{DirectTracer, Effort, Estimator, RadianceFactorGrid, SurfaceGrid, Yarn, YarnScatter};
+
+const BATCHES: usize = 24;
+/// |t| of 23 degrees of freedom that any of 60 values exceeds with probability 1e-3.
+const LIMIT: f64 = 5.2;
+const VIEWS_DEG: [f64; 5] = [-50.0, -20.0, 0.0, 40.0, 65.0];
+const PARTICLES: usize = 16_000;
+
+fn yarn(host_mu_a_per_mm: f64) -> Yarn {
+    let spec = MediumSpec {
+        host_index: Spectrum::Constant(1.557),
+        particle_index: Spectrum::Constant(1.61),
+        particle_kappa: Spectrum::Constant(0.0),
+        host_mu_a_per_mm: Spectrum::Constant(host_mu_a_per_mm),
+        particle_diameter_nm: 150.0,
+        volume_fraction: 0.14,
+        interference: Interference::Independent,
+    };
+    Yarn {
+        cylinder: Cylinder::new(0.15).unwrap(),
+        medium: Medium::new(&spec, &WavelengthGrid::new(vec![450.0, 650.0]).unwrap()).unwrap(),
+        roulette: Roulette::default(),
+        estimator: Estimator::Shared,
+    }
+}
+
+struct Case {
+    spec: ClothSpec,
+    yarn: Yarn,
+    backing: Option<[f64; 2]>,
+    surface_reflection: bool,
+}
+
+/// β of each batch, [batch][view × wavelength]: of all light in the cones, and of what views see but for what the first yarn
+/// scatters straight to them.
+fn brightness(case: &Case, most: usize) -> [Vec<Vec<f64>>; 2] {
+    let tubes = Tubes::new(&case.spec).unwrap();
+    let grid = RadianceFactorGrid::new(6, SurfaceGrid::new(24, 6, 12).unwrap()).unwrap();
+    let tracer = DirectTracer::new(&case.yarn, grid, Effort::new(1, 2, 200_000).unwrap(), None).unwrap();
+    let table = tracer.batch(0).radiance_factor;
+    let scatter = YarnScatter::new(&case.yarn, grid, &table).unwrap();
+    let light = Bounces {
+        tubes: &tubes,
+        yarns: [&case.yarn; 2],
+        scatter: [&scatter; 2],
+        backing: case.backing.as_ref().map(|b| &b[..]),
+        surface_reflection: case.surface_reflection,
+        most,
+        seed: 1,
+    };
+    let beam = Beam {
+        omega_in: omega_in(30.0, 0.0),
+        number: 0,
+    };
+    let views: Vec<Vec3> = VIEWS_DEG.iter().map(|v| omega_out(*v, 0.0)).collect();
+    let cones = ViewCones::new(views.clone(), 5f64.to_radians());
+    let places = Places::new(&tubes, 0.02, 0.04);
+    let of_cones = |batch| -> Vec<f64> {
+        let caught = light.batch(&beam, &cones, batch, PARTICLES).caught;
+        let per = |k| std::f64::consts::PI / cones.projected_solid_angle(k);
+        (caught.iter().enumerate())
+            .flat_map(|(k, caught)| caught.iter().map(move |c| c * per(k)))
+            .collect()
+    };
+    let of_views = |batch| -> Vec<f64> {
+        let sights: Vec<Sight> = (views.iter().enumerate())
+            .map(|(k, view)| Sight::new(&light, &places, view, k, batch, 900))
+            .collect();
+        let onlookers = Onlookers {
+            places: &places,
+            sights: sights.iter().collect(),
+            cones: &cones,
+        };
+        light.between(&beam, &onlookers, batch, PARTICLES / 8).0.concat()
+    };
+    [
+        (0..BATCHES).into_par_iter().map(of_cones).collect(),
+        (0..BATCHES).into_par_iter().map(of_views).collect(),
+    ]
+}
+
+fn compare(name: &str, cones: &[Vec<f64>], views: &[Vec<f64>]) {
+    for k in 0..cones[0].len() {
+        let of = |batches: &[Vec<f64>]| Estimate::from_batches(batches.iter().map(|batch| batch[k]));
+        let (a, b) = (of(cones), of(views));
+        println!(
+            "{name} {k}: cones {:.4} ± {:.4}, views {:.4} ± {:.4}",
+            a.value, a.se, b.value, b.se
+        );
+        assert!(
+            (a.value - b.value).abs() <= LIMIT * a.se.hypot(b.se),
+            "{name} {k}: {a:?} {b:?}"
+        );
+    }
+}
+
+fn less(all: &[Vec<f64>], part: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let each = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
+    all.iter().zip(part).map(each).collect()
+}
+
+/// Light that has been to two yarns or more: what goes to a second yarn adds to what is seen. White yarns, round and alone; flat ones
+/// that shine on a grey backing.
+#[test]
+fn views_see_what_cones_catch_of_light_between_yarns() {
+    let flat = ClothSpec {
+        warp_flattening: 1.3,
+        weft_flattening: 1.2,
+        warp_spacing_mm: 0.66,
+        weft_spacing_mm: 0.66,
+        ..ClothSpec::default()
+    };
+    for (name, spec, backing, surface_reflection) in [
+        ("round", ClothSpec::default(), None, false),
+        ("flat", flat, Some([0.3, 0.9]), true),
+    ] {
+        let case = Case {
+            spec,
+            yarn: yarn(0.3),
+            backing,
+            surface_reflection,
+        };
+        let [cones, views] = brightness(&case, usize::MAX);
+        let [cones_first, views_first] = brightness(&case, 0);
+        compare(name, &less(&cones, &cones_first), &less(&views, &views_first));
+    }
+}
+
+/// Yarns as good as black, which shine, on a white plane: all that is seen comes from surfaces and the plane.
+#[test]
+fn views_see_what_cones_catch_of_gloss_and_backing() {
+    let case = Case {
+        spec: ClothSpec::default(),
+        yarn: yarn(2000.0),
+        backing: Some([0.4, 1.0]),
+        surface_reflection: true,
+    };
+    let [cones, views] = brightness(&case, usize::MAX);
+    compare("black", &cones, &views);
+}
