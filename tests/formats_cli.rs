@@ -71,6 +71,13 @@ fn convert_writes_whole_files_and_replaces_none() {
     );
     assert_eq!(json(folder.path(), &["inspect", "out.ssdd"])["format"], "astm");
     assert!(refusal(folder.path(), &["convert", "out.ssdd", "out.ssdd", "--force"]).contains("read"));
+    json(
+        folder.path(),
+        &["convert", &source, "out.ssdd", "--to", "ssdd-binary", "--force"],
+    );
+    let bytes = fs::read(folder.path().join("out.ssdd")).unwrap();
+    assert!(bytes.windows(12).any(|window| window == b"DATA binary\n"));
+    assert_eq!(json(folder.path(), &["inspect", "out.ssdd"])["format"], "ssdd");
     assert!(refusal(folder.path(), &["convert", &source, "out.dat"]).contains("--to"));
     assert!(refusal(folder.path(), &["convert", &source, "out.zmx", "--to", "zemax"]).contains("not written"));
     assert!(refusal(folder.path(), &["convert", &source, "out.sdr"]).contains("specular"));
@@ -82,6 +89,22 @@ fn convert_writes_whole_files_and_replaces_none() {
         .map(|e| e.unwrap().file_name())
         .collect();
     assert_eq!(names, ["out.ssdd"]);
+}
+
+/// What a format cannot hold is recorded, not dropped in silence.
+#[test]
+fn standard_errors_left_out_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,beta,beta_se\n0,0,0,0,0.4,0.03\n0,0,90,0,0.6,0.04\n0,0,90,180,0.6,0.04\n";
+    fs::write(folder.path().join("in.csv"), text).unwrap();
+    for (out, told) in [("out.csv", 0), ("out.ssdd", 1), ("out.xml", 1)] {
+        let done = json(folder.path(), &["convert", "in.csv", out]);
+        let notices = done["notices"].as_array().unwrap().iter();
+        let found = notices.filter(|notice| notice.as_str().unwrap().contains("standard errors"));
+        assert_eq!(found.count(), told, "{done}");
+        let output = command::specval(folder.path(), &["convert", "in.csv", out, "--force"]);
+        assert_eq!(stderr(&output).contains("standard errors"), told == 1);
+    }
 }
 
 #[test]

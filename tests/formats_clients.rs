@@ -5,14 +5,16 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 
-use specval::formats::{Format, Goniometric, ReadOptions, Table, direction, parse, read, write};
+use specval::formats::{Format, Goniometric, ReadOptions, Table, WriteOptions, direction, parse, read, write};
 use specval::geometry::Vec3;
+use specval::run::Plan;
+use specval::study::Study;
+
+const STUDY: &str = "[spectrum]\nwavelengths_nm = [400, 450, 500, 550, 600, 650, 700]\n[trace]\nbatches = 2\n";
 
 /// A file of `measure --full`, coarse.
-fn measured(folder: &Path, name: &str) -> Vec<u8> {
-    let study = folder.join("study.toml");
-    let text = "[spectrum]\nwavelengths_nm = [400, 450, 500, 550, 600, 650, 700]\n[trace]\nbatches = 2\n";
-    std::fs::write(&study, text).unwrap();
+fn measured(folder: &Path, name: &str, more: &[&str]) -> Vec<u8> {
+    std::fs::write(folder.join("study.toml"), STUDY).unwrap();
     let program = Command::new(env!("CARGO_BIN_EXE_specval"))
         .args([
             "measure",
@@ -26,6 +28,7 @@ fn measured(folder: &Path, name: &str) -> Vec<u8> {
             "4000",
         ])
         .args(["--out", name])
+        .args(more)
         .current_dir(folder)
         .output()
         .unwrap();
@@ -87,10 +90,12 @@ fn mitsuba_reads_rgl_files() {
         ("dir_iso_rgb.ddr", "scalar_rgb", &[]),
         ("dir_aniso_rgb.ddr", "scalar_rgb", &[]),
         ("full.bsdf", "scalar_spectral", &[400.0, 500.0, 600.0, 700.0]),
+        ("full_rgb.bsdf", "scalar_rgb", &[]),
     ] {
         let bytes = match name {
-            "full.bsdf" => measured(folder.path(), name),
-            _ => write(&load(name), Format::Rgl, None).unwrap().bytes,
+            "full.bsdf" => measured(folder.path(), name, &[]),
+            "full_rgb.bsdf" => measured(folder.path(), name, &["--rgb"]),
+            _ => write(&load(name), Format::Rgl, &WriteOptions::default()).unwrap().bytes,
         };
         let data = parse("x.bsdf", &bytes, &ReadOptions::default()).unwrap();
         let file = folder.path().join(format!("{name}.bsdf"));
@@ -183,13 +188,16 @@ fn radiance_reads_klems_files() {
         "full.xml",
     ] {
         let bytes = match name {
-            "full.xml" => measured(folder.path(), name),
-            _ => write(&load(name), Format::RadianceXml, None).unwrap().bytes,
+            "full.xml" => measured(folder.path(), name, &[]),
+            _ => {
+                write(&load(name), Format::RadianceXml, &WriteOptions::default())
+                    .unwrap()
+                    .bytes
+            }
         };
         let data = parse("x.xml", &bytes, &ReadOptions::default()).unwrap();
         let file = folder.path().join(format!("{name}.xml"));
         std::fs::write(&file, &bytes).unwrap();
-        let beyond = if data.components.len() > 1 { 180.0 } else { 0.0 };
         let angles = [
             (0.0, 0.0, 20.0, 0.0),
             (30.0, 18.0, 40.0, 60.0),
@@ -197,8 +205,15 @@ fn radiance_reads_klems_files() {
             (20.0, 180.0, 60.0, 30.0),
         ];
         let mut queries: Vec<(f64, f64, f64, f64)> = angles.to_vec();
-        if beyond > 0.0 {
-            queries.extend(angles.map(|(ti, pi, to, po)| (ti, pi, beyond - to, po)));
+        if data.components.len() > 1 {
+            queries.extend(angles.map(|(ti, pi, to, po)| (ti, pi, 180.0 - to, po)));
+        }
+        if data.components.len() > 2 {
+            queries.extend(angles.map(|(ti, pi, to, po)| (180.0 - ti, pi, 180.0 - to, po)));
+            queries.extend(angles.map(|(ti, pi, to, po)| (180.0 - ti, pi, to, po)));
+            // Straight on, where the light through the gaps is.
+            queries.extend(angles.map(|(ti, pi, ..)| (ti, pi, 180.0 - ti, pi + 180.0)));
+            queries.extend(angles.map(|(ti, pi, ..)| (180.0 - ti, pi, ti, pi + 180.0)));
         }
         let lines: Vec<String> = queries.iter().map(|(a, b, c, d)| format!("{a} {b} {c} {d}")).collect();
         let list = folder.path().join("angles");
@@ -215,9 +230,67 @@ fn radiance_reads_klems_files() {
             let degrees = |theta: f64, phi: f64| direction(theta.to_radians(), phi.to_radians());
             let values = data.eval(&degrees(*ti, *pi), &degrees(*to, *po)).unwrap().values;
             let y = if values.len() == 3 { values[1] } else { values[0] };
-            worst = worst.max((xyz[1] - y).abs());
+            worst = worst.max((xyz[1] - y).abs() / y.max(1.0));
         }
         println!("{name}: Radiance within {worst:e}");
         assert!(found.len() == queries.len() && worst < 1e-3, "{name}: {worst}");
     }
+}
+
+const HEMISPHERICAL: &str = "
+import sys, pyradiance as pr
+sd = pr.bsdf.load_file(sys.argv[1])
+b = pr.bsdf
+reflected, transmitted = (kind | b.SAMPLE_SP | b.SAMPLE_DF for kind in (b.SAMPLE_R, b.SAMPLE_T))
+for line in open(sys.argv[2]):
+    theta, phi = (float(x) for x in line.split())
+    print(b.direct_hemi(sd, theta, phi, reflected), b.direct_hemi(sd, theta, phi, transmitted))
+";
+
+/// Radiance finds all the light that the ledger has, through yarns and gaps together, from both sides.
+#[test]
+fn radiance_finds_the_light_of_the_ledger() {
+    let folder = tempfile::tempdir().unwrap();
+    measured(folder.path(), "ledger.xml", &[]);
+    let mut csv = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(folder.path().join("ledger.xml.hemispherical.csv"))
+        .unwrap();
+    let names = csv.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = csv.records().map(Result::unwrap).collect();
+    let column = |name: &str| names.iter().position(|n| n == name).unwrap();
+    let value = |row: &csv::StringRecord, name: &str| row[column(name)].parse::<f64>().unwrap();
+    let plan = Plan::new(Study::from_toml(STUDY, "study").unwrap()).unwrap();
+    let mut expected = Vec::new();
+    let mut lines = String::new();
+    for spectrum in rows.chunks_exact(7) {
+        let of = |name: &str| -> f64 {
+            let fractions: Vec<f64> = spectrum.iter().map(|row| value(row, name)).collect();
+            plan.colour.xyz(&fractions).y
+        };
+        let (theta, phi) = (value(&spectrum[0], "theta_i_deg"), value(&spectrum[0], "phi_i_deg"));
+        assert_eq!(&spectrum[0][column("light_from")], "front");
+        // The back of a plain weave is its front, turned about the warp.
+        for (theta, phi) in [(theta, phi), (180.0 - theta, -phi)] {
+            writeln!(lines, "{theta} {phi}").unwrap();
+            expected.push([of("reflectance"), of("transmittance")]);
+        }
+        assert!(of("through_gaps") > 0.0 || theta > 20.0);
+    }
+    let list = folder.path().join("incidences");
+    std::fs::write(&list, lines).unwrap();
+    let file = folder.path().join("ledger.xml");
+    let arguments = [file.to_str().unwrap(), list.to_str().unwrap()];
+    let Some(found) = python("pyradiance", HEMISPHERICAL, &arguments) else {
+        return;
+    };
+    let pairs = found.iter().flatten().zip(expected.iter().flatten());
+    let worst = pairs
+        .map(|(found, expected)| (found - expected).abs())
+        .fold(0.0, f64::max);
+    println!("{} incidences: Radiance within {worst:e}", expected.len());
+    assert!(
+        found.len() == expected.len() && found.len() > 40 && worst < 1e-5,
+        "{worst}"
+    );
 }

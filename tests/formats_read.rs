@@ -157,9 +157,18 @@ fn merl_is_lambertian_up_to_the_horizon_and_quick_to_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("material.any-name");
     std::fs::write(&path, &bytes).unwrap();
-    let start = std::time::Instant::now();
-    let data = read(&path, &ReadOptions::default()).unwrap();
-    println!("MERL read in {:?}", start.elapsed());
+    let timed = || {
+        let start = std::time::Instant::now();
+        let data = read(&path, &ReadOptions::default()).unwrap();
+        (start.elapsed(), data)
+    };
+    let mut runs: Vec<_> = (0..9).map(|_| timed()).collect();
+    runs.sort_by_key(|(time, _)| *time);
+    println!(
+        "MERL read in {:?}, the median of 9, the shortest {:?}",
+        runs[4].0, runs[0].0
+    );
+    let (_, data) = runs.swap_remove(0);
     for (theta_i, theta_o, phi) in [
         (0.0, 0.0, 0.0),
         (30.0, 45.0, 77.0),

@@ -12,8 +12,9 @@ use std::path::Path;
 
 use batch_statistics::all_zero;
 use serde_json::Value;
-use specval::formats::{Channels, KlemsBasis, ReadOptions, Scatter, Side, Table, direction, read};
-use specval::run::{Cells, FullBsdf, FullMeasurement, Plan, Symmetry, VolumetricCloth, symmetries};
+use specval::formats::{Channels, Encoding, Format, KlemsBasis, ReadOptions, Scatter, Side, Table, direction, read};
+use specval::run::{Cells, Colours, FullBsdf, FullMeasurement, Plan, Symmetry, VolumetricCloth, symmetries};
+use specval::spectrum::WavelengthGrid;
 use specval::study::Study;
 use specval::woven::{Beam, HemisphereNodes};
 
@@ -228,16 +229,23 @@ fn files_hold_the_energy_of_the_ledger() {
     assert!(table.contains("study SHA-256") && table.lines().count() > 3 * 5);
 }
 
-/// Sums over patches are the ledger's energy; both sides, and the diffuser's white.
+/// Sums over patches are the ledger's energy, light through the gaps on the diagonal, to half a unit of six digits; both
+/// sides, and the diffuser's white.
 #[test]
 fn klems_files_hold_both_sides() {
     let folder = tempfile::tempdir().unwrap();
     study(folder.path());
     let document = measure(folder.path(), "k.xml", &[]);
+    let notices = document["notices"].as_array().unwrap();
+    assert!(
+        notices.iter().any(|n| n.as_str().unwrap().contains("diagonal")),
+        "{notices:?}"
+    );
     let data = read(&folder.path().join("k.xml"), &ReadOptions::default()).unwrap();
     assert_eq!(data.components.len(), 4);
     let study = Study::from_toml("[spectrum]\nwavelengths_nm = [450, 550, 650]\n", "test").unwrap();
     let plan = Plan::new(study).unwrap();
+    let rows = document["hemispherical"].as_array().unwrap();
     for component in &data.components {
         let Table::Klems(matrix) = &component.table else {
             panic!("no Klems matrix")
@@ -246,17 +254,90 @@ fn klems_files_hold_both_sides() {
         let basis = matrix.exiting();
         let quantity = match component.scatter {
             Scatter::Reflection => "reflectance",
-            Scatter::Transmission => "through_yarns",
+            Scatter::Transmission => "transmittance",
         };
-        // The back of a plain weave is its front turned over.
-        let xyz = plan.colour.xyz(&hemispherical(&document, 0.0, quantity));
-        for (channel, expected) in [xyz.x, xyz.y, xyz.z].into_iter().enumerate() {
-            let patches = (0..basis.count()).map(|k| matrix.at(channel, 0, k) * basis.projected_solid_angle(k));
-            let found: f64 = patches.sum();
-            assert!((found / expected - 1.0).abs() < 1e-6, "{quantity}: {found}, {expected}");
+        for spectrum in rows.chunks_exact(3) {
+            let of = |quantity: &str| {
+                let values: Vec<f64> = spectrum.iter().map(|row| row[quantity].as_f64().unwrap()).collect();
+                let xyz = plan.colour.xyz(&values);
+                [xyz.x, xyz.y, xyz.z]
+            };
+            let angle = |name: &str| spectrum[0][name].as_f64().unwrap().to_radians();
+            assert_eq!(spectrum[0]["light_from"], "front");
+            // The back of a plain weave is its front, turned about the warp.
+            let phi = if component.side == Side::Front {
+                angle("phi_i_deg")
+            } else {
+                -angle("phi_i_deg")
+            };
+            let incident = basis.patch(&direction(angle("theta_i_deg"), phi + PI));
+            for (channel, expected) in of(quantity).into_iter().enumerate() {
+                let patches =
+                    (0..basis.count()).map(|k| matrix.at(channel, incident, k) * basis.projected_solid_angle(k));
+                let found: f64 = patches.sum();
+                assert!((found / expected - 1.0).abs() < 5e-6, "{quantity}: {found}, {expected}");
+            }
+            let solid_angle = basis.projected_solid_angle(incident);
+            let straight = matrix.at(1, incident, incident) * solid_angle;
+            match component.scatter {
+                Scatter::Reflection => assert!(straight < 10.0 / PI * solid_angle),
+                Scatter::Transmission => assert!(straight > (1.0 - 5e-6) * of("through_gaps")[1]),
+            }
+            let (found, _) = component.directional_hemispherical(angle("theta_i_deg"), phi).unwrap();
+            assert!((found[1] / of(quantity)[1] - 1.0).abs() < 5e-6, "{found:?}");
         }
-        assert!((0..basis.count()).all(|k| matrix.at(1, k, k) * PI < 10.0));
     }
+}
+
+/// What is said of a file's size before it is traced is right within an eighth, and a file that nothing would read is refused.
+#[test]
+fn files_too_large_to_read_are_refused_before_tracing() {
+    let folder = tempfile::tempdir().unwrap();
+    study(folder.path());
+    let grid = WavelengthGrid::new(vec![450.0, 550.0, 650.0]).unwrap();
+    let cells = coarse();
+    for (out, more, format, encoding) in [
+        ("a.csv", &[][..], Format::Csv, Encoding::Text),
+        ("b.csv", &["--rgb"], Format::Csv, Encoding::Text),
+        ("a.astm", &[], Format::Astm, Encoding::Text),
+        ("a.ssdd", &[], Format::Ssdd, Encoding::Text),
+        ("b.ssdd", &["--to", "ssdd-binary"], Format::Ssdd, Encoding::Binary),
+        ("a.ddr", &[], Format::Ddr, Encoding::Text),
+    ] {
+        let written = measure(folder.path(), out, more)["bytes"].as_f64().unwrap();
+        let colours = if more == ["--rgb"] {
+            Colours::Rgb
+        } else {
+            Colours::Spectral
+        };
+        let expected = cells
+            .expected_bytes(format, encoding, &colours.channels(&grid))
+            .unwrap();
+        println!("{out}: {written} bytes, expected {expected}");
+        assert!(
+            (written / expected as f64 - 1.0).abs() < 0.125,
+            "{out}: {written}, expected {expected}"
+        );
+    }
+    fs::write(folder.path().join("s.toml"), "").unwrap();
+    let before = fs::read_dir(folder.path()).unwrap().count();
+    for (arguments, words) in [
+        (&["--out", "c.ddr", "--theta-step", "5"][..], "277 MiB"),
+        (&["--out", "c.csv", "--theta-step", "3"], "--rgb or --to ssdd-binary"),
+        (
+            &["--out", "c.ddr", "--rgb", "--theta-step", "3", "--errors", "c.se.csv"],
+            "leave --errors out",
+        ),
+    ] {
+        let output = command::specval(folder.path(), &[&["measure", "s.toml", "--full"], arguments].concat());
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
+        assert!(
+            stderr.contains(words) && stderr.contains("256 MiB"),
+            "{arguments:?}: {stderr}"
+        );
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), before);
 }
 
 #[test]

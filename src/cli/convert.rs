@@ -1,7 +1,7 @@
 use super::inspect::Reading;
 use super::{Failure, Terminal};
 use serde::Serialize;
-use specval::formats::{self, Format, Scatter};
+use specval::formats::{self, Encoding, Format, Scatter, WriteOptions};
 use specval::report::{check_writable, write_whole};
 use std::path::{Path, PathBuf};
 
@@ -15,8 +15,8 @@ pub struct Arguments {
     #[arg(value_name = "OUT")]
     output: PathBuf,
     /// Format to write.
-    #[arg(long, value_name = "FORMAT", value_parser = format_of)]
-    to: Option<Format>,
+    #[arg(long, value_name = "FORMAT", value_parser = target_of)]
+    to: Option<Target>,
     /// Replace OUT where it exists.
     #[arg(long)]
     force: bool,
@@ -45,11 +45,34 @@ struct Converted {
     notices: Vec<String>,
 }
 
-pub(super) fn format_of(name: &str) -> Result<Format, String> {
-    let known = Format::ALL
-        .into_iter()
-        .find(|format| format.name() == name.to_ascii_lowercase());
-    known.ok_or_else(|| "expected csv, ddr, sdr, ssdd, astm, merl, rgl or klems".into())
+/// A format to write, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Target {
+    pub(super) format: Format,
+    pub(super) encoding: Encoding,
+}
+
+impl From<Format> for Target {
+    fn from(format: Format) -> Self {
+        Self {
+            format,
+            encoding: Encoding::default(),
+        }
+    }
+}
+
+pub(super) fn target_of(name: &str) -> Result<Target, String> {
+    let name = name.to_ascii_lowercase();
+    if name == "ssdd-binary" {
+        return Ok(Target {
+            format: Format::Ssdd,
+            encoding: Encoding::Binary,
+        });
+    }
+    let known = Format::ALL.into_iter().find(|format| format.name() == name);
+    known
+        .map(Target::from)
+        .ok_or_else(|| "expected csv, ddr, sdr, ssdd, ssdd-binary, astm, merl, rgl or klems".into())
 }
 
 /// What the extension of a file to be written says: its format and, in Integra's files, its kind.
@@ -77,9 +100,9 @@ pub(super) fn by_extension(path: &Path) -> (Option<Format>, Option<Scatter>) {
 pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     let output = &arguments.output;
     let (by_name, scatter) = by_extension(output);
-    let format = arguments
+    let Target { format, encoding } = arguments
         .to
-        .or(by_name)
+        .or(by_name.map(Target::from))
         .ok_or_else(|| ConvertError::Extension { path: output.clone() })?;
     if output.symlink_metadata().is_ok() {
         if !arguments.force {
@@ -96,7 +119,7 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     for warning in &data.warnings {
         terminal.notice(warning);
     }
-    let written = formats::write(&data, format, scatter)?;
+    let written = formats::write(&data, format, &WriteOptions { scatter, encoding })?;
     write_whole(output, &written.bytes)?;
     for notice in &written.notices {
         terminal.notice(notice);

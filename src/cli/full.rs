@@ -1,9 +1,11 @@
-use super::convert::{ConvertError, by_extension, format_of};
+use super::convert::{ConvertError, Target, by_extension, target_of};
 use super::stopping::beside;
 use super::{Failure, Options, Terminal};
 use serde::Serialize;
 use specval::artefact::Identity;
-use specval::formats::{self, Format, Goniometric, KlemsBasis, Provenance, Scatter, Side, WriteError};
+use specval::formats::{
+    self, Channels, Encoding, Format, Goniometric, KlemsBasis, Provenance, Scatter, Side, WriteError, WriteOptions,
+};
 use specval::report::{InputDigest, check_writable, write_whole};
 use specval::run::{Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Plan, VolumetricCloth, symmetries};
 use specval::study::Study;
@@ -12,6 +14,10 @@ use std::path::{Path, PathBuf};
 
 /// Particles of one incidence.
 const PATHS: u64 = 200_000;
+
+/// Where light that meets no yarn is in a Klems file.
+const GAPS_IN_PATCHES: &str = "light straight through the gaps is on the diagonal of the transmission, its fraction over the \
+    projected solid angle of the patch";
 
 /// How light is simulated.
 const METHOD: &str = "volumetric, with the reflection of the yarns' surface";
@@ -24,8 +30,8 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["until", "max_time", "resume"])]
     pub full: bool,
     /// Format to write; without it the extension of --out says.
-    #[arg(long, value_name = "FORMAT", value_parser = format_of, requires = "full")]
-    to: Option<Format>,
+    #[arg(long, value_name = "FORMAT", value_parser = target_of, requires = "full")]
+    to: Option<Target>,
     /// What to write in a format that holds one of the two.
     #[arg(long, value_name = "KIND", value_parser = scatter_of, requires = "full")]
     scatter: Option<Scatter>,
@@ -81,6 +87,16 @@ enum FullError {
         holds: &'static str,
         option: &'static str,
     },
+    #[error(
+        "the {format} file would have about {expected_mib} MiB, and specval reads at most {most_mib} MiB of that format; take larger \
+         steps{smaller}"
+    )]
+    TooLarge {
+        format: Format,
+        expected_mib: u64,
+        most_mib: u64,
+        smaller: &'static str,
+    },
 }
 
 #[derive(Serialize)]
@@ -105,7 +121,7 @@ struct Settings<'a> {
 }
 
 pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
-    let (format, scatter) = full.format(out)?;
+    let (Target { format, encoding }, scatter) = full.target(out)?;
     let hemispherical = beside(out, ".hemispherical.csv");
     for path in [Some(out), Some(&hemispherical), full.errors.as_deref()]
         .into_iter()
@@ -123,7 +139,19 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
         group.truncate(1);
     }
     let klems = format == Format::RadianceXml;
-    let measurement = FullMeasurement::new(full.cells(format)?, group, klems, batches, plan.study.seed, &plan.grid)?;
+    let cells = full.cells(format)?;
+    let colours = full.colours(format);
+    let smaller = if full.rgb {
+        " or --to ssdd-binary"
+    } else {
+        ", --rgb or --to ssdd-binary"
+    };
+    check_size(&cells, format, encoding, &colours.channels(&plan.grid), smaller)?;
+    if full.errors.is_some() {
+        let spectra = Colours::Spectral.channels(&plan.grid);
+        check_size(&cells, Format::Csv, Encoding::Text, &spectra, " or leave --errors out")?;
+    }
+    let measurement = FullMeasurement::new(cells, group, klems, batches, plan.study.seed, &plan.grid)?;
     let tracing = terminal.progress("tracing the cloth");
     let cloth = VolumetricCloth::new(plan, particles, true)?;
     let light = |beam: &_, cells: &Cells, batch| cloth.batch(beam, cells, batch);
@@ -136,12 +164,6 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
         particles,
     };
     let provenance = full.provenance(plan, &bsdf, &effort)?;
-    let colours = match format {
-        Format::RadianceXml => Colours::Xyz,
-        Format::Merl => Colours::Rgb,
-        _ if full.rgb => Colours::Rgb,
-        _ => Colours::Spectral,
-    };
     let mut notices = Vec::new();
     let mut data = Goniometric {
         format,
@@ -149,18 +171,24 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
         components: bsdf.components(colours, format == Format::Csv, &mut notices)?,
         warnings: Vec::new(),
     };
-    let written = formats::write(&data, format, scatter)?;
+    let written = formats::write(&data, format, &WriteOptions { scatter, encoding })?;
     notices.extend(written.notices);
-    if !matches!(format, Format::Sdr | Format::Ssdd) {
-        notices.push(format!(
+    match format {
+        Format::Sdr | Format::Ssdd => {}
+        Format::RadianceXml => notices.push(GAPS_IN_PATCHES.into()),
+        _ => notices.push(format!(
             "light straight through the gaps is not in the file; its fraction is in {}",
             hemispherical.display()
-        ));
+        )),
     }
     let errors = match &full.errors {
         Some(path) => {
             data.components = bsdf.errors(true);
-            Some((path, formats::write(&data, Format::Csv, scatter)?.bytes))
+            let of_component = WriteOptions {
+                scatter,
+                ..WriteOptions::default()
+            };
+            Some((path, formats::write(&data, Format::Csv, &of_component)?.bytes))
         }
         None => None,
     };
@@ -199,6 +227,25 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
     })
 }
 
+/// Refuses a file that nothing would read, before it is traced for; `smaller` says what else than larger steps helps.
+fn check_size(
+    cells: &Cells,
+    format: Format,
+    encoding: Encoding,
+    channels: &Channels,
+    smaller: &'static str,
+) -> Result<(), FullError> {
+    match cells.expected_bytes(format, encoding, channels) {
+        Some(expected) if expected > format.most_bytes() => Err(FullError::TooLarge {
+            format,
+            expected_mib: expected >> 20,
+            most_mib: format.most_bytes() >> 20,
+            smaller,
+        }),
+        _ => Ok(()),
+    }
+}
+
 fn percent(share: Option<f64>) -> String {
     share.map_or("unknown".into(), |share| format!("{:.2} %", 100.0 * share))
 }
@@ -220,12 +267,13 @@ struct Effort {
 
 impl Arguments {
     /// What to write; refuses what would fail after the tracing.
-    fn format(&self, out: &Path) -> Result<(Format, Option<Scatter>), Failure> {
+    fn target(&self, out: &Path) -> Result<(Target, Option<Scatter>), Failure> {
         let (by_name, scatter) = by_extension(out);
-        let format = self
+        let target = self
             .to
-            .or(by_name)
+            .or(by_name.map(Target::from))
             .ok_or_else(|| ConvertError::Extension { path: out.to_owned() })?;
+        let format = target.format;
         let scatter = self.scatter.or(scatter);
         let refuse = |holds, option| Err(FullError::Option { format, holds, option }.into());
         match format {
@@ -242,7 +290,7 @@ impl Arguments {
                 refuse("reflection and transmission", "--scatter")
             }
             Format::RadianceXml if self.rgb => refuse("X, Y, Z", "--rgb"),
-            _ => Ok((format, scatter)),
+            _ => Ok((target, scatter)),
         }
     }
 
@@ -254,6 +302,15 @@ impl Arguments {
         }
         let nodes = HemisphereNodes::new(self.theta_step.0, 4 * self.phi_step.0).ok_or(FullError::ThetaStep)?;
         Ok(Cells::Nodes(nodes))
+    }
+
+    fn colours(&self, format: Format) -> Colours {
+        match format {
+            Format::RadianceXml => Colours::Xyz,
+            Format::Merl => Colours::Rgb,
+            _ if self.rgb => Colours::Rgb,
+            _ => Colours::Spectral,
+        }
     }
 
     fn provenance(&self, plan: &Plan, bsdf: &FullBsdf, effort: &Effort) -> Result<Provenance, Failure> {
@@ -283,8 +340,13 @@ impl Arguments {
                 effort.particles,
                 percent(bsdf.median_relative_error())
             ),
-            "azimuths from the warp towards the weft, seen from the front; light straight through the gaps is no part of f"
-                .to_owned(),
+            format!(
+                "azimuths from the warp towards the weft, seen from the front; {}",
+                match bsdf.cells() {
+                    Cells::Nodes(_) => "light straight through the gaps is no part of f",
+                    Cells::Patches(_) => GAPS_IN_PATCHES,
+                }
+            ),
         ];
         let statement = |name: &str, value: String| (name.to_owned(), value);
         Ok(Provenance {

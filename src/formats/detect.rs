@@ -68,6 +68,11 @@ impl Format {
         }
     }
 
+    /// Bytes of the largest file that is read.
+    pub fn most_bytes(self) -> u64 {
+        *self.sizes().end()
+    }
+
     /// Sizes in bytes a file of this format can have.
     pub(super) fn sizes(self) -> RangeInclusive<u64> {
         const MIB: u64 = 1 << 20;

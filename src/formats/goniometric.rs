@@ -328,10 +328,13 @@ impl Component {
 
     /// ∫ f cos θ_out dω_out per channel for light from a polar angle and azimuth 0 (180° in tables over the sphere that
     /// have no 0), and the share of the projected hemisphere that was measured. `None` where nothing was, or where the
-    /// quantity has no f. Midpoint rule, even in sin² θ and azimuth.
+    /// quantity has no f. Midpoint rule, even in sin² θ and azimuth; of Klems patches the sum.
     pub fn directional_hemispherical(&self, theta_i_rad: f64, phi_i_rad: f64) -> Option<(Vec<f64>, f64)> {
         const RINGS: usize = 90;
         const SECTORS: usize = 180;
+        if let Table::Klems(matrix) = &self.table {
+            return Some((matrix.hemispherical(&direction(theta_i_rad, phi_i_rad)), 1.0));
+        }
         let front = if self.side == Side::Front { 1.0 } else { -1.0 };
         let beyond = if self.scatter == Scatter::Reflection {
             front

@@ -127,6 +127,26 @@ impl KlemsMatrix {
         self.values[(channel * self.exiting.count() + exiting) * self.incident.count() + incident]
     }
 
+    pub(super) fn add(&mut self, channel: usize, incident: usize, exiting: usize, value: f64) {
+        self.values[(channel * self.exiting.count() + exiting) * self.incident.count() + incident] += value;
+    }
+
+    /// ∫ f cos θ_out dω_out per channel, of light from a direction: exact, as f is constant on patches.
+    pub(super) fn hemispherical(&self, omega_in: &Vec3) -> Vec<f64> {
+        let incident = self.incident_patch(omega_in);
+        let sum = |channel: usize| {
+            let patches = 0..self.exiting.count();
+            patches
+                .map(|exiting| self.at(channel, incident, exiting) * self.exiting.projected_solid_angle(exiting))
+                .sum()
+        };
+        (0..self.channels()).map(sum).collect()
+    }
+
+    fn incident_patch(&self, omega_in: &Vec3) -> usize {
+        self.incident.patch(&Vec3::new(-omega_in.x, -omega_in.y, omega_in.z))
+    }
+
     pub(super) fn channels(&self) -> usize {
         self.values.len() / (self.incident.count() * self.exiting.count())
     }
@@ -144,7 +164,7 @@ impl KlemsMatrix {
     }
 
     pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
-        let incident = self.incident.patch(&Vec3::new(-omega_in.x, -omega_in.y, omega_in.z));
+        let incident = self.incident_patch(omega_in);
         let exiting = self.exiting.patch(omega_out);
         let values = (0..self.channels()).map(|channel| self.at(channel, incident, exiting));
         Some((values.collect(), Placement::InCell))

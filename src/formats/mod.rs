@@ -39,10 +39,11 @@ pub use scattered::{Directions, Scattered};
 pub use specular::SpecularTable;
 pub use tensor_tree::TensorTree;
 pub use warped::Warped;
-pub use write::{WriteError, Written, write};
+pub use write::{Encoding, WriteError, WriteOptions, Written, write};
 
 pub(crate) use source::read as read_bytes;
 pub(crate) use text::{Text, quoted};
+pub(crate) use write::resampled_nodes;
 
 /// What some formats leave open, stated by the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

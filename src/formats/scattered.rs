@@ -103,6 +103,10 @@ impl Scattered {
         self.rows(&self.values)
     }
 
+    pub(super) fn states_errors(&self) -> bool {
+        self.errors.is_some()
+    }
+
     /// Standard errors of the readings, in their order; empty where none were stated.
     pub fn reading_errors(&self) -> Vec<(Vec<f64>, &[f64])> {
         self.errors.as_ref().map_or_else(Vec::new, |errors| self.rows(errors))

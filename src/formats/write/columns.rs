@@ -28,9 +28,6 @@ pub(super) fn write(
     };
     let plane = readings.first().is_some_and(|(angles, _)| angles.len() == 2);
     if format == Format::Astm {
-        if !errors.is_empty() {
-            notices.push("astm holds no standard errors: they are left out".into());
-        }
         if component.scatter == Scatter::Transmission {
             notices.push("astm does not state that the values are of transmission".into());
         }

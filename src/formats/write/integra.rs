@@ -9,6 +9,15 @@ use super::sampling::{ChannelMap, Sampler, clipped, every};
 use crate::formats::goniometric::direction;
 use crate::geometry::Vec3;
 
+/// Steps in θ, and in φ and ψ, of a table that is resampled.
+const POLAR_DEG: f64 = 5.0;
+const AROUND_DEG: f64 = 15.0;
+
+/// Nodes for each σ of an anisotropic table that is resampled.
+pub(crate) fn resampled_nodes() -> usize {
+    every(POLAR_DEG, 180.0).len() * every(AROUND_DEG, 360.0).len().pow(2)
+}
+
 /// A table over the angles of a `.ddr` file, psi slowest, then sigma, phi, theta, channel.
 pub(super) struct SpecularGrid {
     pub(super) psi_deg: Vec<f64>,
@@ -23,7 +32,7 @@ pub(super) struct SpecularGrid {
 }
 
 impl SpecularGrid {
-    /// The source's own nodes where it has such a table, else a table of every 5 degrees in theta and 15 in phi.
+    /// The source's own nodes where it has such a table, else a table of even steps.
     pub(super) fn of(component: &Component, format: Format, notices: &mut Vec<String>) -> Result<Self, WriteError> {
         if let Table::Grid(grid) = &component.table
             && let Parameters::Specular { offsets_rad } = grid.parameters()
@@ -36,12 +45,12 @@ impl SpecularGrid {
             psi_deg: if component.is_isotropic() {
                 vec![0.0]
             } else {
-                every(15.0, 360.0)
+                every(AROUND_DEG, 360.0)
             },
             sigma_deg: component.incidences_deg(),
             sigmat_deg: None,
-            phi_deg: every(15.0, 360.0),
-            theta_deg: every(5.0, 180.0),
+            phi_deg: every(AROUND_DEG, 360.0),
+            theta_deg: every(POLAR_DEG, 180.0),
             fold: Fold::None,
             values: Vec::new(),
             quantity: Quantity::Bsdf,

@@ -8,8 +8,28 @@ mod rgl;
 mod sampling;
 mod ssdd;
 
+pub(crate) use integra::resampled_nodes;
+
 use super::{Component, Format, Goniometric, Scatter, Side, Table};
 use crate::colour::ColourError;
+
+/// What some formats leave to the writer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WriteOptions {
+    /// The component of formats that hold one; without it the reflection from the front.
+    pub scatter: Option<Scatter>,
+    /// Of the values of SSDD files.
+    pub encoding: Encoding,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// All digits.
+    #[default]
+    Text,
+    /// 32-bit floating point, little-endian.
+    Binary,
+}
 
 /// The bytes of a file, and what they do not hold as the source did.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,12 +65,12 @@ pub enum WriteError {
     Colour(#[from] ColourError),
 }
 
-/// Writes data as a file of a format. Formats that hold one component take the reflection from the front, or what
-/// `scatter` says.
+/// Writes data as a file of a format.
 ///
 /// # Errors
 /// What the format cannot hold, and where the source has no value that the format needs.
-pub fn write(data: &Goniometric, format: Format, scatter: Option<Scatter>) -> Result<Written, WriteError> {
+pub fn write(data: &Goniometric, format: Format, options: &WriteOptions) -> Result<Written, WriteError> {
+    let WriteOptions { scatter, encoding } = *options;
     let specular = |c: &Component| matches!(c.table, Table::Specular(_));
     let mut notices = Vec::new();
     let mut one = |wanted: fn(&Component) -> bool, holds: &'static str| {
@@ -84,7 +104,7 @@ pub fn write(data: &Goniometric, format: Format, scatter: Option<Scatter>) -> Re
             let component = one(|c| matches!(c.table, Table::Specular(_)), "specular fractions")?;
             integra::specular(component, &data.provenance, &mut notices)?
         }
-        Format::Ssdd => ssdd::write(data, &mut notices)?,
+        Format::Ssdd => ssdd::write(data, encoding, &mut notices)?,
         Format::Astm | Format::Csv => {
             let component = one(|c| !matches!(c.table, Table::Specular(_)), diffuse)?;
             columns::write(component, format, &data.provenance, &mut notices)?
@@ -114,5 +134,21 @@ pub fn write(data: &Goniometric, format: Format, scatter: Option<Scatter>) -> Re
             return Err(WriteError::NotWritten { format });
         }
     };
+    if format != Format::Csv && data.components.iter().any(states_errors) {
+        notices.push(format!(
+            "{format} holds no standard errors: those of the source are left out"
+        ));
+    }
+    let most = format.most_bytes();
+    if bytes.len() as u64 > most {
+        notices.push(format!(
+            "the file has {} bytes, and those that specval reads in the format {format} have at most {most}",
+            bytes.len()
+        ));
+    }
     Ok(Written { bytes, notices })
+}
+
+fn states_errors(component: &Component) -> bool {
+    matches!(&component.table, Table::Scattered(scattered) if scattered.states_errors())
 }

@@ -1,7 +1,8 @@
 use std::fmt::Write;
 
+use super::super::goniometric::angles_of;
 use super::super::klems::{KlemsBasis, KlemsMatrix};
-use super::super::{Channels, Component, Format, Goniometric, Scatter, Side, Table};
+use super::super::{Channels, Component, Format, Goniometric, Scatter, Side, SpecularTable, Table};
 use super::WriteError;
 use super::sampling::{ChannelMap, Sampler, clipped};
 use crate::geometry::Vec3;
@@ -10,16 +11,25 @@ use crate::geometry::Vec3;
 const EXITING: usize = 3;
 const INCIDENT: usize = 2;
 
-/// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z.
+/// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z. Specular fractions are
+/// on their diagonals.
 pub(super) fn write(data: &Goniometric, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
     let mut matrices: Vec<(&Component, KlemsMatrix)> = Vec::new();
     for component in &data.components {
         match &component.table {
-            Table::Specular(_) => {
-                notices.push("specular fractions are left out: the format has no place for them".into())
-            }
+            Table::Specular(_) => {}
             Table::Klems(matrix) => matrices.push((component, matrix.clone())),
             _ => matrices.push((component, averaged(component, notices)?)),
+        }
+    }
+    for component in &data.components {
+        if let Table::Specular(table) = &component.table {
+            let mut alike = matrices.iter_mut();
+            let alike = alike.find(|(of, _)| (of.scatter, of.side) == (component.scatter, component.side));
+            match alike {
+                Some((_, matrix)) => on_diagonal(component, table, matrix, notices)?,
+                None => notices.push("specular fractions without scattering of their kind are left out".into()),
+            }
         }
     }
     let Some((_, first)) = matrices.first() else {
@@ -127,16 +137,10 @@ fn averaged(component: &Component, notices: &mut Vec<String>) -> Result<KlemsMat
         3
     };
     let count = basis.count();
-    let inside = |patch: usize, n: usize| -> Vec<Vec3> {
-        let share = |k: usize| (k as f64 + 0.5) / n as f64;
-        (0..n * n)
-            .map(|k| basis.direction(patch, share(k / n), share(k % n)))
-            .collect()
-    };
-    let exiting: Vec<Vec<Vec3>> = (0..count).map(|patch| inside(patch, EXITING)).collect();
+    let exiting: Vec<Vec<Vec3>> = (0..count).map(|patch| inside(&basis, patch, EXITING)).collect();
     let mut values = vec![0.0; channels * count * count];
     for incident in 0..count {
-        let lights = inside(incident, INCIDENT);
+        let lights = inside(&basis, incident, INCIDENT);
         for (out, directions) in exiting.iter().enumerate() {
             let weight = 1.0 / (lights.len() * directions.len()) as f64;
             for light in &lights {
@@ -154,4 +158,60 @@ fn averaged(component: &Component, notices: &mut Vec<String>) -> Result<KlemsMat
     notices.push("values are means over the patches of Klems' full basis".into());
     sampler.notice(notices);
     Ok(KlemsMatrix::new(basis.clone(), basis, values))
+}
+
+/// Adds a fraction to the diagonal of a matrix: it goes into the one patch opposite to that of the light, where it is
+/// fraction / ∫ cosθ dω.
+fn on_diagonal(
+    component: &Component,
+    fractions: &SpecularTable,
+    matrix: &mut KlemsMatrix,
+    notices: &mut Vec<String>,
+) -> Result<(), WriteError> {
+    let map = ChannelMap::to_xyz(&component.channels, notices)?;
+    let basis = matrix.incident().clone();
+    if *matrix.exiting() != basis {
+        notices.push("specular fractions are left out: incident and exiting patches differ".into());
+        return Ok(());
+    }
+    let ends = |nodes: &[f64]| [nodes[0], nodes[nodes.len() - 1]];
+    let [first, last] = ends(fractions.incidence().nodes_rad());
+    let mut beyond = false;
+    for patch in 0..basis.count() {
+        let per_sr = 1.0 / ((INCIDENT * INCIDENT) as f64 * basis.projected_solid_angle(patch));
+        for exiting in inside(&basis, patch, INCIDENT) {
+            let (theta, phi) = angles_of(&Vec3::new(-exiting.x, -exiting.y, exiting.z));
+            let held = theta.clamp(first, last);
+            beyond |= held != theta;
+            let fraction = fractions.fraction(held, phi).ok_or_else(|| WriteError::NotMeasured {
+                format: Format::RadianceXml,
+                theta_i_deg: theta.to_degrees(),
+                theta_o_deg: theta.to_degrees(),
+                phi_o_deg: phi.to_degrees(),
+            })?;
+            let values = map.apply(&fraction);
+            for channel in 0..matrix.channels() {
+                let value = match (values.len(), matrix.channels()) {
+                    (1, _) => values[0],
+                    // Of X, Y, Z the photometric one.
+                    (_, 1) => values[1],
+                    _ => values[channel],
+                };
+                matrix.add(channel, patch, patch, value * per_sr);
+            }
+        }
+    }
+    notices.push("specular fractions are on the diagonal, over the projected solid angle of the patch".into());
+    if beyond {
+        notices.push("specular fractions beyond the first and last incidence are those there".into());
+    }
+    Ok(())
+}
+
+/// Directions all over a patch, n x n, even in projected solid angle.
+fn inside(basis: &KlemsBasis, patch: usize, n: usize) -> Vec<Vec3> {
+    let share = |k: usize| (k as f64 + 0.5) / n as f64;
+    (0..n * n)
+        .map(|k| basis.direction(patch, share(k / n), share(k % n)))
+        .collect()
 }

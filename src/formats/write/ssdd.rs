@@ -5,15 +5,15 @@ use super::super::integra::degrees;
 use super::super::{
     Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side, SpecularTable, Table,
 };
-use super::WriteError;
 use super::integra::{SpecularGrid, line};
+use super::{Encoding, WriteError};
 
-/// Text blocks, one a component of the front, values with all their digits.
-pub(super) fn write(data: &Goniometric, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
-    let mut text = format!("VERSION 0.3\nSOFTWARE specval-{}\n", env!("CARGO_PKG_VERSION"));
+/// Blocks of values with all their digits, or of 32-bit floats, one a component of the front.
+pub(super) fn write(data: &Goniometric, encoding: Encoding, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+    let mut head = format!("VERSION 0.3\nSOFTWARE specval-{}\n", env!("CARGO_PKG_VERSION"));
     for comment in &data.provenance.comments {
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "# {}", comment.replace(['\n', '\r'], " "));
+        let _ = writeln!(head, "# {}", comment.replace(['\n', '\r'], " "));
     }
     let source = data
         .provenance
@@ -21,8 +21,12 @@ pub(super) fn write(data: &Goniometric, notices: &mut Vec<String>) -> Result<Vec
         .as_deref()
         .unwrap_or_default()
         .to_ascii_lowercase();
-    let known = ["measured", "generated", "edited"];
+    let source = ["measured", "generated", "edited"]
+        .into_iter()
+        .find(|word| *word == source);
+    let mut bytes = head.into_bytes();
     let mut kinds: Vec<&str> = Vec::new();
+    let mut rounded = false;
     for component in &data.components {
         if component.side == Side::Back {
             notices.push("ssdd holds light from the front alone: what comes from the back is left out".into());
@@ -34,24 +38,66 @@ pub(super) fn write(data: &Goniometric, notices: &mut Vec<String>) -> Result<Vec
             continue;
         }
         kinds.push(kind);
-        let _ = writeln!(
-            text,
-            "\nDATA_TYPE {kind}\nCOLOR_MODEL {}",
+        let mut text = format!(
+            "\nDATA_TYPE {kind}\nCOLOR_MODEL {}\n",
             colour_model(&component.channels)
         );
+        if let Some(source) = source {
+            let _ = writeln!(text, "SOURCE_TYPE {source}");
+        }
         if let Channels::Wavelengths(grid) = &component.channels {
             let _ = writeln!(text, "WAVELENGTH_LIST {}", line(grid.nm()));
         }
-        match &component.table {
+        let values = match &component.table {
             Table::Specular(table) => specular(&mut text, table),
             Table::Grid(grid) if is_held(grid) => same(&mut text, component, grid)?,
             _ => resampled(&mut text, component, notices)?,
+        };
+        match encoding {
+            Encoding::Text => {
+                text += "DATA ascii\n";
+                for row in values.chunks_exact(component.channels.count()) {
+                    let _ = writeln!(text, "{}", line(row));
+                }
+                bytes.extend(text.into_bytes());
+            }
+            Encoding::Binary => {
+                text += "DATA binary\n";
+                bytes.extend(text.into_bytes());
+                bytes.extend(binary(&values)?);
+                rounded |= values.iter().any(|&value| f64::from(value as f32) != value);
+                bytes.push(b'\n');
+            }
         }
     }
-    if let Some(word) = known.into_iter().find(|word| *word == source) {
-        text = text.replacen("\nDATA_TYPE", &format!("\nSOURCE_TYPE {word}\nDATA_TYPE"), 1);
+    if rounded {
+        notices.push("values are rounded to 32-bit floating point".into());
     }
-    Ok(text.into_bytes())
+    Ok(bytes)
+}
+
+/// 32-bit floats. libbsdf takes a '#' behind white space for the beginning of a comment, even here; the value that would begin
+/// the data so is raised by a few units in its last place.
+fn binary(values: &[f64]) -> Result<Vec<u8>, WriteError> {
+    let beyond = |value: &&f64| **value > f64::from(f32::MAX);
+    if let Some(value) = values.iter().find(beyond) {
+        return Err(WriteError::CannotHold {
+            format: Format::Ssdd,
+            holds: "values up to 3.4e38 in binary",
+            found: value.to_string(),
+        });
+    }
+    let mut bytes: Vec<u8> = values.iter().flat_map(|&value| (value as f32).to_le_bytes()).collect();
+    let blank = |byte: &u8| matches!(byte, 0x09..=0x0d | b' ');
+    while let Some(first) = bytes
+        .iter()
+        .position(|byte| !blank(byte))
+        .filter(|&at| bytes[at] == b'#')
+    {
+        // The lowest byte of a value is blank or '#', so that nothing is carried.
+        bytes[first / 4 * 4] += 1;
+    }
+    Ok(bytes)
 }
 
 fn kind(component: &Component) -> &'static str {
@@ -98,21 +144,17 @@ fn lists(text: &mut String, lists: &[(usize, &[f64])]) {
     }
 }
 
-fn specular(text: &mut String, table: &SpecularTable) {
+fn specular(text: &mut String, table: &SpecularTable) -> Vec<f64> {
     let (incidence, azimuth) = (degrees(table.incidence()), degrees(table.azimuth()));
     lists(text, &[(0, &incidence)]);
     if !table.azimuth().is_single() {
         lists(text, &[(1, &azimuth)]);
     }
-    *text += "DATA ascii\n";
-    for phi in 0..azimuth.len() {
-        for theta in 0..incidence.len() {
-            let _ = writeln!(text, "{}", line(table.at(theta, phi)));
-        }
-    }
+    let nodes = (0..azimuth.len()).flat_map(|phi| (0..incidence.len()).map(move |theta| (theta, phi)));
+    nodes.flat_map(|(theta, phi)| table.at(theta, phi).to_vec()).collect()
 }
 
-fn same(text: &mut String, component: &Component, grid: &Grid) -> Result<(), WriteError> {
+fn same(text: &mut String, component: &Component, grid: &Grid) -> Result<Vec<f64>, WriteError> {
     let (name, offsets) = match grid.parameters() {
         Parameters::Spherical => ("spherical", None),
         Parameters::Specular { offsets_rad } => ("specular", Some(offsets_rad)),
@@ -136,11 +178,10 @@ fn same(text: &mut String, component: &Component, grid: &Grid) -> Result<(), Wri
         let offsets: Vec<f64> = offsets.iter().map(|o| (o.to_degrees() * 1e9).round() / 1e9).collect();
         lists(text, &[(4, &offsets)]);
     }
-    *text += "DATA ascii\n";
     let [n0, n1, n2, n3] = grid.shape();
+    let mut values = Vec::new();
     for node in (0..n0 * n1 * n2 * n3).map(|i| [i % n0, i / n0 % n1, i / n0 / n1 % n2, i / n0 / n1 / n2]) {
         let cos_out = grid.directions(node).map_or(0.0, |(_, omega_out)| omega_out.z);
-        let mut values = Vec::new();
         for channel in 0..component.channels.count() {
             let stored = grid.at(node, channel);
             // Below the horizon a value that holds the cosine has no f; nothing is looked up there.
@@ -152,12 +193,11 @@ fn same(text: &mut String, component: &Component, grid: &Grid) -> Result<(), Wri
             };
             values.push(bsdf.ok_or(WriteError::Unscaled)?);
         }
-        let _ = writeln!(text, "{}", line(&values));
     }
-    Ok(())
+    Ok(values)
 }
 
-fn resampled(text: &mut String, component: &Component, notices: &mut Vec<String>) -> Result<(), WriteError> {
+fn resampled(text: &mut String, component: &Component, notices: &mut Vec<String>) -> Result<Vec<f64>, WriteError> {
     let grid = SpecularGrid::of(component, Format::Ssdd, notices)?;
     *text += "PARAM_TYPE specular_coordinate_system\n";
     lists(text, &[(0, &grid.sigma_deg)]);
@@ -165,13 +205,13 @@ fn resampled(text: &mut String, component: &Component, notices: &mut Vec<String>
         lists(text, &[(1, &grid.psi_deg)]);
     }
     lists(text, &[(2, &grid.theta_deg), (3, &grid.phi_deg)]);
-    *text += "DATA ascii\n";
     let channels = component.channels.count();
     let [n0, n1, n2, n3] = [&grid.sigma_deg, &grid.psi_deg, &grid.theta_deg, &grid.phi_deg].map(Vec::len);
+    let mut values = Vec::with_capacity(grid.values.len());
     for i in 0..n0 * n1 * n2 * n3 {
         let [i0, i1, i2, i3] = [i % n0, i / n0 % n1, i / n0 / n1 % n2, i / n0 / n1 / n2];
         let at = channels * (((i1 * n0 + i0) * n3 + i3) * n2 + i2);
-        let _ = writeln!(text, "{}", line(&grid.values[at..at + channels]));
+        values.extend(&grid.values[at..at + channels]);
     }
-    Ok(())
+    Ok(values)
 }

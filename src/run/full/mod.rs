@@ -5,6 +5,7 @@
 
 mod cells;
 mod hemispherical;
+mod size;
 mod symmetry;
 mod tables;
 

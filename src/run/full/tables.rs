@@ -1,8 +1,10 @@
 use super::{Cells, FullBsdf};
 use crate::colour::{ColourError, ColourSystem, Convention};
 use crate::formats::{
-    Axis, Channels, Component, Fold, Grid, KlemsMatrix, Parameters, Quantity, Scatter, Side, SpecularTable, Table,
+    Axis, Channels, Component, Fold, Grid, KlemsBasis, KlemsMatrix, Parameters, Quantity, Scatter, Side, SpecularTable,
+    Table,
 };
+use crate::spectrum::WavelengthGrid;
 use crate::transport::Estimate;
 use crate::woven::HemisphereNodes;
 use std::cell::Cell;
@@ -18,13 +20,25 @@ pub enum Colours {
     Xyz,
 }
 
+impl Colours {
+    /// What spectra of these wavelengths become.
+    pub fn channels(self, grid: &WavelengthGrid) -> Channels {
+        match self {
+            Self::Spectral => Channels::Wavelengths(grid.clone()),
+            Self::Rgb => Channels::Rgb,
+            Self::Xyz => Channels::Xyz,
+        }
+    }
+}
+
 /// Values of one geometry, from the estimates at each wavelength.
 type Values<'a> = dyn Fn(&[Estimate]) -> Vec<f64> + 'a;
 
 impl FullBsdf {
-    /// Reflection and transmission from every side that was measured, and, where cells are nodes, the fraction that goes
-    /// straight through the gaps. Numbers, β or f, are rounded to six digits. Colours outside the RGB space have
-    /// components below 0, which become 0 with a notice.
+    /// Reflection and transmission from every side that was measured, and the fraction that goes straight through the gaps: where
+    /// cells are nodes a component of its own, in patches a part of f on the diagonal of the transmission, where
+    /// ∫ f cosθ dω over the patch is the fraction (the convention of WINDOW and Radiance). Numbers, β or f, are rounded to
+    /// six digits. Colours outside the RGB space have components below 0, which become 0 with a notice.
     pub fn components(
         &self,
         colours: Colours,
@@ -49,11 +63,7 @@ impl FullBsdf {
             };
             values.into_iter().map(clipped).collect()
         };
-        let channels = match colours {
-            Colours::Spectral => Channels::Wavelengths(self.grid.clone()),
-            Colours::Rgb => Channels::Rgb,
-            Colours::Xyz => Channels::Xyz,
-        };
+        let channels = colours.channels(&self.grid);
         let tables = self.tables(&channels, as_beta, &values, true);
         if negative.get() > 0 {
             let count = negative.get();
@@ -64,7 +74,8 @@ impl FullBsdf {
         Ok(tables)
     }
 
-    /// Standard errors, spectral, in tables like those of the values.
+    /// Standard errors, spectral, in tables like those of the values; on the diagonal of the transmission between patches as
+    /// if what yarns scatter and what passes through gaps were independent, where they are of opposite signs if anything.
     pub fn errors(&self, as_beta: bool) -> Vec<Component> {
         let values = |spectrum: &[Estimate]| spectrum.iter().map(|f| f.se).collect();
         self.tables(&Channels::Wavelengths(self.grid.clone()), as_beta, &values, false)
@@ -94,7 +105,7 @@ impl FullBsdf {
                             Table::Grid(self.grid_of(nodes, side, scatter, channels.count(), &of_bsdf))
                         }
                         Cells::Patches(basis) => {
-                            let matrix = self.matrix_of(side, scatter, channels.count(), &of_bsdf);
+                            let matrix = self.matrix_of(basis, side, scatter, channels.count(), &of_bsdf);
                             Table::Klems(KlemsMatrix::new(basis.clone(), basis.clone(), matrix))
                         }
                     },
@@ -146,13 +157,28 @@ impl FullBsdf {
     }
 
     /// Channel slowest, then exiting patch, then incident patch.
-    fn matrix_of(&self, side: Side, scatter: Scatter, channels: usize, values: &Values) -> Vec<f64> {
-        let count = self.cells.count();
+    fn matrix_of(
+        &self,
+        basis: &KlemsBasis,
+        side: Side,
+        scatter: Scatter,
+        channels: usize,
+        values: &Values,
+    ) -> Vec<f64> {
+        let count = basis.count();
         let mut matrix = vec![0.0; channels * count * count];
         for incident in 0..count {
             for exiting in 0..count {
-                let found = values(&self.bsdf(side, incident, scatter, exiting));
-                for (channel, value) in found.into_iter().enumerate() {
+                let mut f = self.bsdf(side, incident, scatter, exiting);
+                if scatter == Scatter::Transmission && exiting == incident {
+                    let gaps = self.through_gaps(side, incident);
+                    f.iter_mut().zip(gaps).for_each(|(f, gaps)| {
+                        let per_sr = 1.0 / basis.projected_solid_angle(exiting);
+                        f.value += gaps.value * per_sr;
+                        f.se = f.se.hypot(gaps.se * per_sr);
+                    });
+                }
+                for (channel, value) in values(&f).into_iter().enumerate() {
                     matrix[(channel * count + exiting) * count + incident] = value;
                 }
             }
@@ -160,15 +186,20 @@ impl FullBsdf {
         matrix
     }
 
+    /// Fraction at each wavelength of light from an incident cell that meets no yarn.
+    fn through_gaps(&self, side: Side, incident: usize) -> Vec<Estimate> {
+        let traced = self.traced_for(side, incident);
+        traced.map_or_else(Vec::new, |(incidence, _)| {
+            (0..self.grid.len()).map(|w| incidence.fractions(w)[2]).collect()
+        })
+    }
+
     fn gaps_of(&self, nodes: &HemisphereNodes, side: Side, channels: usize, values: &Values) -> SpecularTable {
         let (polar, around) = axes_rad(nodes);
         let mut table = Vec::new();
         for azimuth in 0..nodes.azimuths() {
             for ring in 0..nodes.rings() {
-                if let Some((incidence, _)) = self.traced_for(side, nodes.node(ring, azimuth)) {
-                    let gaps: Vec<Estimate> = (0..self.grid.len()).map(|w| incidence.fractions(w)[2]).collect();
-                    table.extend(values(&gaps));
-                }
+                table.extend(values(&self.through_gaps(side, nodes.node(ring, azimuth))));
             }
         }
         SpecularTable::new(

@@ -1,0 +1,47 @@
+use super::Cells;
+use crate::formats::{Channels, Encoding, Format, resampled_nodes};
+use crate::woven::HemisphereNodes;
+
+/// Bytes of a number of six digits and of one with all its digits, as 0.0312345 and 0.031234567890123456, and of what parts it
+/// from the next.
+const SIX_DIGITS: f64 = 10.0;
+const ALL_DIGITS: f64 = 20.0;
+
+impl Cells {
+    /// Bytes that a file will have, within an eighth, as the numbers of a cloth are not all of one length. `None` of formats whose
+    /// files stay far below what can be read.
+    pub fn expected_bytes(&self, format: Format, encoding: Encoding, channels: &Channels) -> Option<u64> {
+        let Self::Nodes(nodes) = self else { return None };
+        let pairs = (self.incident() - 1 + nodes.azimuths()) as f64 * (self.count() - 1 + nodes.azimuths()) as f64;
+        let values = channels.count() as f64;
+        let bytes = match (format, encoding) {
+            (Format::Csv, _) => match channels {
+                // A line for each wavelength, which it states.
+                Channels::Wavelengths(_) => pairs * values * (angle_bytes(nodes, in_degrees) + 4.0 + SIX_DIGITS),
+                _ => pairs * (angle_bytes(nodes, in_degrees) + values * SIX_DIGITS),
+            },
+            (Format::Astm, _) => pairs * (angle_bytes(nodes, |rad| rad.to_string()) + values * SIX_DIGITS),
+            (Format::Ssdd, Encoding::Text) => 2.0 * pairs * values * SIX_DIGITS,
+            (Format::Ssdd, Encoding::Binary) => 2.0 * pairs * values * 4.0,
+            (Format::Ddr, _) => (nodes.rings() * resampled_nodes()) as f64 * values * ALL_DIGITS,
+            _ => return None,
+        };
+        Some(bytes as u64)
+    }
+}
+
+/// Of the four angles of a line, with commas, as `text` writes them.
+fn angle_bytes(nodes: &HemisphereNodes, text: impl Fn(f64) -> String) -> f64 {
+    let mean = |count: usize, angle: &dyn Fn(usize) -> f64| {
+        let bytes: usize = (0..count).map(|k| 1 + text(angle(k)).len()).sum();
+        bytes as f64 / count as f64
+    };
+    let polar_rad = |ring: usize| nodes.angles_rad(nodes.node(ring, 0))[0];
+    let azimuth_rad = |azimuth: usize| nodes.angles_rad(nodes.node(1, azimuth))[1];
+    let polar = mean(nodes.rings(), &polar_rad) + mean(nodes.rings() + 1, &polar_rad);
+    polar + 2.0 * mean(nodes.azimuths(), &azimuth_rad)
+}
+
+fn in_degrees(angle_rad: f64) -> String {
+    ((angle_rad.to_degrees() * 1e9).round() / 1e9).to_string()
+}
