@@ -144,6 +144,10 @@ fn study(folder: &Path) {
 
 /// `measure s.toml --full`, coarse, and the document it prints.
 fn measure(folder: &Path, out: &str, more: &[&str]) -> Value {
+    measure_with(folder, out, "1600", more)
+}
+
+fn measure_with(folder: &Path, out: &str, paths: &str, more: &[&str]) -> Value {
     let coarse = [
         "measure",
         "s.toml",
@@ -155,7 +159,7 @@ fn measure(folder: &Path, out: &str, more: &[&str]) -> Value {
         "--phi-step",
         "45",
         "--paths",
-        "1600",
+        paths,
         "--json",
     ];
     let output = command::specval(folder, &[&coarse, more].concat());
@@ -390,4 +394,36 @@ fn bytes_do_not_depend_on_threads_and_nothing_is_replaced_unasked() {
         );
     }
     assert_eq!(fs::read_dir(folder).unwrap().count(), before);
+}
+
+/// The full BSDF by f* is that of the medium as far as f* goes: where yarns absorb much of what they scatter, to 5 % in reflectance.
+/// False alarms: 6 values of 6 standard errors each, 14 degrees of freedom, 2e-4 together.
+#[test]
+fn both_methods_reflect_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[spectrum]\nwavelengths_nm = [450, 550, 650]\n[trace]\nbatches = 8\npaths_direct = 160000\n\
+                [medium]\nhost_mu_a_per_mm = 20.0\nkappa_peak = 0.0\n";
+    fs::write(folder.path().join("s.toml"), text).unwrap();
+    let traced = measure_with(folder.path(), "a.csv", "16000", &[]);
+    let by_factor = measure(
+        folder.path(),
+        "b.csv",
+        &["--paths", "16000", "--method", "radiance-factor"],
+    );
+    for theta_i_deg in [0.0, 60.0] {
+        let [a, b] = [&traced, &by_factor].map(|document| hemispherical(document, theta_i_deg, "reflectance"));
+        let [a_se, b_se] = [&traced, &by_factor].map(|document| hemispherical(document, theta_i_deg, "reflectance_se"));
+        for w in 0..3 {
+            let allowed = 0.05 * a[w] + 6.0 * a_se[w].hypot(b_se[w]);
+            assert!((a[w] - b[w]).abs() <= allowed, "{theta_i_deg} {w}: {} {}", a[w], b[w]);
+        }
+        assert!(
+            a[0] > 0.02
+                && hemispherical(&by_factor, theta_i_deg, "residual")
+                    .iter()
+                    .all(|r| r.abs() < 1e-9)
+        );
+    }
+    let text = fs::read_to_string(folder.path().join("b.csv")).unwrap();
+    assert!(text.contains("f* from yarn to yarn"));
 }

@@ -115,7 +115,9 @@ fn what_cannot_be_is_refused() {
             &[],
             "spacing",
         ),
-        ("", &["--full", "--method", "radiance-factor"], "--method"),
+        ("[weft]\nkappa_peak = -1.0\n", &[], "weft.kappa_peak"),
+        ("[weft]\ndye = \"woad\"\n", &[], "weft.dye"),
+        ("[weft]\nhost_index = \"shining.csv\"\n", &[], "weft.host_index"),
     ] {
         let output = measure(here, "wrong", more, arguments);
         let text = String::from_utf8_lossy(&output.stderr).into_owned();

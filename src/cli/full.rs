@@ -7,8 +7,10 @@ use specval::formats::{
     self, Channels, Encoding, Format, Goniometric, KlemsBasis, Provenance, Scatter, Side, WriteError, WriteOptions,
 };
 use specval::report::{InputDigest, check_writable, write_whole};
-use specval::run::{Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Plan, VolumetricCloth, symmetries};
-use specval::study::Study;
+use specval::run::{
+    Cells, Colours, FactorCloth, FullBsdf, FullMeasurement, HemisphericalRow, Plan, VolumetricCloth, symmetries,
+};
+use specval::study::{MethodChoice, Study};
 use specval::woven::HemisphereNodes;
 use std::path::{Path, PathBuf};
 
@@ -19,8 +21,13 @@ const PATHS: u64 = 200_000;
 const GAPS_IN_PATCHES: &str = "light straight through the gaps is on the diagonal of the transmission, its fraction over the \
     projected solid angle of the patch";
 
-/// How light is simulated.
-const METHOD: &str = "volumetric, with the reflection of the yarns' surface";
+/// How light is simulated, in files.
+fn method_words(method: MethodChoice) -> &'static str {
+    match method {
+        MethodChoice::Volumetric => "volumetric, with the reflection of the yarns' surface",
+        MethodChoice::RadianceFactor => "f* from yarn to yarn, with the reflection of the yarns' surface",
+    }
+}
 
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Full BSDF")]
@@ -120,7 +127,14 @@ struct Settings<'a> {
     inputs: &'a [InputDigest],
 }
 
-pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
+pub fn run(
+    plan: &Plan,
+    method: MethodChoice,
+    out: &Path,
+    full: &Arguments,
+    options: &Options,
+    terminal: &Terminal,
+) -> Result<(), Failure> {
     let (Target { format, encoding }, scatter) = full.target(out)?;
     let hemispherical = beside(out, ".hemispherical.csv");
     for path in [Some(out), Some(&hemispherical), full.errors.as_deref()]
@@ -152,18 +166,33 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
         check_size(&cells, Format::Csv, Encoding::Text, &spectra, " or leave --errors out")?;
     }
     let measurement = FullMeasurement::new(cells, group, klems, batches, plan.study.seed, &plan.grid)?;
-    let tracing = terminal.progress("tracing the cloth");
-    let cloth = VolumetricCloth::new(plan, particles, true)?;
-    let light = |beam: &_, cells: &Cells, batch| cloth.batch(beam, cells, batch);
-    let bsdf = measurement.measure(light, &|share| tracing.advance(share));
-    tracing.finish();
+    let bsdf = match method {
+        MethodChoice::Volumetric => {
+            let tracing = terminal.progress("tracing the cloth");
+            let cloth = VolumetricCloth::new(plan, particles, true)?;
+            let light = |beam: &_, cells: &Cells, batch| cloth.batch(beam, cells, batch);
+            let bsdf = measurement.measure(light, &|share| tracing.advance(share));
+            tracing.finish();
+            bsdf
+        }
+        MethodChoice::RadianceFactor => {
+            let tracing = terminal.progress("tracing the yarn");
+            let cloth = FactorCloth::new(plan, particles, true, &|share| tracing.advance(share))?;
+            tracing.finish();
+            let following = terminal.progress("following light in the cloth");
+            let light = |beam: &_, cells: &Cells, batch| cloth.batch(beam, cells, batch);
+            let bsdf = measurement.measure(light, &|share| following.advance(share));
+            following.finish();
+            bsdf
+        }
+    };
     let incidences = bsdf.cells().incident() * bsdf.sides().len();
     let effort = Effort {
         incidences,
         batches,
         particles,
     };
-    let provenance = full.provenance(plan, &bsdf, &effort)?;
+    let provenance = full.provenance(plan, method, &bsdf, &effort)?;
     let mut notices = Vec::new();
     let mut data = Goniometric {
         format,
@@ -313,7 +342,13 @@ impl Arguments {
         }
     }
 
-    fn provenance(&self, plan: &Plan, bsdf: &FullBsdf, effort: &Effort) -> Result<Provenance, Failure> {
+    fn provenance(
+        &self,
+        plan: &Plan,
+        method: MethodChoice,
+        bsdf: &FullBsdf,
+        effort: &Effort,
+    ) -> Result<Provenance, Failure> {
         let identity = Identity::new(
             plan.study.seed,
             &Settings {
@@ -329,7 +364,7 @@ impl Arguments {
             "the front"
         };
         let comments = [
-            format!("{software}, simulated woven cloth, {}", METHOD),
+            format!("{software}, simulated woven cloth, {}", method_words(method)),
             format!("study SHA-256 {digest}, seed {}", plan.study.seed),
             format!(
                 "{} incidences from {sides}, {} of them traced, the rest by the symmetry of the weave; {} batches of {} \
@@ -356,7 +391,7 @@ impl Arguments {
                 statement("description", comments.join("; ")),
                 statement("SOFTWARE", software.clone()),
                 statement("SOURCE", "Generated".into()),
-                statement("METHOD", METHOD.into()),
+                statement("METHOD", method_words(method).into()),
                 statement("STUDY_SHA256", digest.clone()),
                 statement("SEED", plan.study.seed.to_string()),
                 statement("BATCHES", effort.batches.to_string()),

@@ -19,7 +19,7 @@ pub struct Arguments {
     /// CSV file for the curves; with --full a file of any format that is written.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// How light in the cloth is simulated, instead of the study's `[cloth] method`; with --full it is volumetric.
+    /// How light in the cloth is simulated, instead of the study's `[cloth] method`; with --full volumetric unless said here.
     #[arg(long, value_enum, value_name = "METHOD")]
     method: Option<Method>,
     #[command(flatten)]
@@ -35,11 +35,6 @@ enum Method {
     /// Traced through the medium of every yarn that light meets.
     Volumetric,
 }
-
-/// `--full` with a method that gives no full BSDF.
-#[derive(Debug, thiserror::Error)]
-#[error("--method: expected volumetric with --full, found radiance-factor; leave it out, or --full")]
-struct FullIsVolumetric;
 
 /// Where the light of one incidence and wavelength went.
 #[derive(Serialize)]
@@ -78,10 +73,12 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     }
     let plan = Plan::new(study)?;
     if arguments.full.full {
-        if arguments.method == Some(Method::RadianceFactor) {
-            return Err(FullIsVolumetric.into());
-        }
-        return full::run(&plan, &arguments.out, &arguments.full, options, terminal);
+        // The study's method is that of curves; a full BSDF is the ground truth unless asked otherwise.
+        let method = match arguments.method {
+            Some(Method::RadianceFactor) => MethodChoice::RadianceFactor,
+            Some(Method::Volumetric) | None => MethodChoice::Volumetric,
+        };
+        return full::run(&plan, method, &arguments.out, &arguments.full, options, terminal);
     }
     check_writable(&arguments.out)?;
     let energy_file = beside(&arguments.out, ".energy.csv");
