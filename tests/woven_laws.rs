@@ -8,7 +8,7 @@ use specval::optics::{Interference, Medium, MediumSpec};
 use specval::rig::{omega_in, omega_out};
 use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::transport::{Coefficients, Cylinder, Entry, Estimate, Interior, Ledger, Purpose, Roulette, Stream, Walk};
-use specval::woven::{Beam, Bounces, ClothBatch, ClothLedger, Detector, ViewCones, Volumetric};
+use specval::woven::{Beam, Bounces, ClothBatch, ClothLedger, Detector, ViewCones, Volumetric, YarnSurface};
 use specval::yarn::{DirectTracer, Effort, Estimator, RadianceFactorGrid, SurfaceGrid, Yarn, YarnScatter};
 
 const BATCHES: usize = 24;
@@ -84,7 +84,7 @@ fn volumetric<D: Detector>(
         interiors: [&interior, &interior],
         backing: None,
         roulette: Roulette::default(),
-        surface_reflection: true,
+        surface: YarnSurface::Smooth,
         seed: 1,
     };
     let beam = Beam {
@@ -114,7 +114,7 @@ fn a_white_cloth_on_white_sends_all_light_back() {
             interiors: [&interior, &interior],
             backing: Some(&backing),
             roulette: Roulette::default(),
-            surface_reflection: true,
+            surface: YarnSurface::Smooth,
             seed: 1,
         };
         (0..BATCHES)
@@ -155,7 +155,7 @@ fn bounces(tubes: &Tubes, yarn: &Yarn, theta_deg: f64, paths: u64, particles: us
                 yarns: [yarn; 2],
                 scatter: [&scatter; 2],
                 backing: None,
-                surface_reflection: true,
+                surface: YarnSurface::Smooth,
                 most: usize::MAX,
                 seed: 1,
             };

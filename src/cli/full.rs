@@ -5,7 +5,9 @@ use serde::Serialize;
 use specval::artefact::Identity;
 use specval::formats::{self, Format, Goniometric, KlemsBasis, Provenance, Scatter, Side, WriteError};
 use specval::report::{InputDigest, check_writable, write_whole};
-use specval::run::{Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Plan, VolumetricCloth, symmetries};
+use specval::run::{
+    Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Plan, Symmetry, VolumetricCloth, symmetries,
+};
 use specval::study::Study;
 use specval::woven::HemisphereNodes;
 use std::path::{Path, PathBuf};
@@ -119,6 +121,9 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
     let batches = plan.direct_effort.batches;
     let particles = options.paths.map_or(PATHS, u64::from).div_ceil(batches as u64) as usize;
     let mut group = symmetries(&plan.cloth_spec, true, true);
+    if plan.fibres.is_some_and(|gloss| gloss.is_handed()) {
+        group.retain(Symmetry::keeps_hand);
+    }
     if full.no_fold {
         group.truncate(1);
     }

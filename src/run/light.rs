@@ -3,7 +3,6 @@ use crate::cloth::Tubes;
 use crate::compare::Geometry;
 use crate::rig::{omega_in, omega_out};
 use crate::spectrum::Samples;
-use crate::study::SurfaceChoice;
 use crate::woven::{Beam, Bounces, ClothBatch, ClothLedger, Detector, ViewCones, Volumetric};
 use crate::yarn::{Sharing, YarnScatter};
 use rayon::prelude::*;
@@ -59,7 +58,8 @@ pub struct VolumetricCloth<'a> {
 }
 
 impl<'a> VolumetricCloth<'a> {
-    /// `particles` in a batch; whether light that the yarns' surface reflects on its way in goes on.
+    /// `particles` in a batch; whether light that the yarns' surface reflects on its way in goes on, spread by the study's fibres if
+    /// it has any.
     pub fn new(plan: &'a Plan, particles: usize, surface_reflection: bool) -> Result<Self, RunError> {
         Ok(Self {
             surface_reflection,
@@ -93,7 +93,7 @@ impl<'a> VolumetricCloth<'a> {
                     .backing
                     .map(|values| &values[*first..*first + interior.wavelengths()]),
                 roulette: self.plan.yarn.roulette,
-                surface_reflection: self.surface_reflection,
+                surface: self.plan.surface(self.surface_reflection),
                 seed: self.plan.study.seed,
             };
             let part = light.batch(beam, detector, *first, batch, self.particles);
@@ -162,7 +162,7 @@ impl<'a> LightBetween<'a> {
             yarns: [&plan.yarn; 2],
             scatter: [&scatter; 2],
             backing: plan.backing.as_ref().map(Samples::values),
-            surface_reflection: plan.study.specular.surface == SurfaceChoice::Yarn,
+            surface: plan.surface(plan.study.specular.surface.is_of_yarns()),
             most: self.most,
             seed: plan.study.seed,
         };

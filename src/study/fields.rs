@@ -264,12 +264,22 @@ pub(super) const SECTIONS: &[Section] = &[
     Section {
         name: "yarn",
         meaning: "An infinite circular cylinder.",
-        fields: &[field(
-            "radius_mm",
-            "mm",
-            Kind::Number(above(0.0, 100.0)),
-            "Radius of the yarn.",
-        )],
+        fields: &[
+            field(
+                "radius_mm",
+                "mm",
+                Kind::Number(above(0.0, 100.0)),
+                "Radius of the yarn.",
+            ),
+            Field {
+                key: "twist_deg",
+                unit: "degrees",
+                kind: Kind::Number(closed(-90.0, 90.0)),
+                meaning: "Angle of the fibres to the yarn's axis, where [specular] surface is \"fibres\": positive Z twist, negative S \
+                          twist; 0, along the axis, where it is left out.",
+                example: Some("20.0"),
+            },
+        ],
     },
     Section {
         name: "trace",
@@ -522,16 +532,24 @@ pub(super) const SECTIONS: &[Section] = &[
             field(
                 "surface",
                 "",
-                Kind::Choice(&["cloth", "yarn"]),
-                "What shines: the cloth about its normal (Cook-Torrance), or the smooth surface of each yarn (Fresnel), whose light goes \
-                 on to other yarns; classical shading is about the cloth's normal in any case.",
+                Kind::Choice(&["cloth", "yarn", "fibres"]),
+                "What shines: the cloth about its normal (Cook-Torrance); or the surface of each yarn (Fresnel), smooth or of fibres \
+                 that spread the light, which goes on to other yarns; classical shading is about the cloth's normal in any case.",
             ),
             field(
                 "roughness",
                 "",
                 Kind::Number(closed(0.001, 1.0)),
-                "Root mean square slope of the facets.",
+                "Root mean square slope of the facets; of fibres the width of the distribution (Trowbridge-Reitz) of slopes along them.",
             ),
+            Field {
+                key: "roughness_across",
+                unit: "",
+                kind: Kind::Number(closed(0.001, 1.0)),
+                meaning: "The same across fibres, where surface is \"fibres\": height over width of their sections, 1 of round ones; 0.6 \
+                          where it is left out.",
+                example: Some("0.6"),
+            },
             field(
                 "distribution",
                 "",

@@ -1,4 +1,4 @@
-use super::{ClothBatch, ClothLedger, Detector};
+use super::{ClothBatch, ClothLedger, Detector, YarnSurface};
 use crate::cloth::{System, TubeHit, Tubes};
 use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
@@ -9,6 +9,13 @@ pub(super) struct Arrival {
     pub hit: TubeHit,
     /// Unit vector towards where it comes from.
     pub omega_in: Vec3,
+}
+
+impl Arrival {
+    /// Cosine of the angle of incidence.
+    pub fn cos_in(&self) -> f64 {
+        self.hit.frame.normal.dot(&self.omega_in).clamp(0.0, 1.0)
+    }
 }
 
 /// Particles that wait at the yarns of one system, and what each carries at every wavelength.
@@ -32,8 +39,9 @@ pub(super) struct Air<'a, D, R> {
     caught: Vec<Vec<f64>>,
     /// What the backing sends back of the light in hand.
     sent_back: Vec<f64>,
-    /// Whether the detector is to catch light that a yarn has just scattered too, or only what a surface sent on.
-    catch_scattered: bool,
+    /// Whether the detector is to catch light whose last direction was drawn from a density too, or only what a smooth surface
+    /// or the backing sent on.
+    catch_spread: bool,
     light_above: bool,
 }
 
@@ -48,7 +56,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         tubes: &'a Tubes,
         backing: Option<&'a [f64]>,
         detector: &'a D,
-        catch_scattered: bool,
+        catch_spread: bool,
         rng: R,
         wavelengths: usize,
     ) -> Self {
@@ -62,7 +70,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             queues: Default::default(),
             sums: vec![[0.0; ClothLedger::FRACTIONS]; wavelengths],
             caught: vec![vec![0.0; wavelengths]; detector.bins()],
-            catch_scattered,
+            catch_spread,
             light_above: true,
         }
     }
@@ -101,13 +109,14 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
 
     /// Follows light that leaves a yarn. Where it meets another, one particle goes on for all of it, with a probability equal
     /// to the mean of its weights if that is below 1: then at most as many particles are under way as came in, however many
-    /// parts the light of each is split into. `scattered` if particles of the medium sent it here, not a surface.
-    pub fn launch(&mut self, origin: Vec3, direction: Vec3, weights: &[f64], scattered: bool) {
+    /// parts the light of each is split into. `spread` if the direction was drawn from a density that views may have been shown:
+    /// by particles of the medium or by fibres, not by a smooth surface or the backing.
+    pub fn launch(&mut self, origin: Vec3, direction: Vec3, weights: &[f64], spread: bool) {
         let Some(hit) = self.tubes.first_hit(origin, direction) else {
             if self.backing.is_some() && (direction.z > 0.0) != self.light_above {
                 self.meet_backing(origin, direction, weights);
             } else {
-                self.escape(&direction, weights, scattered);
+                self.escape(&direction, weights, spread);
             }
             return;
         };
@@ -126,6 +135,24 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         }
         if survives {
             self.queue(hit, -direction, weights.iter().map(|weight| (worth * weight) as f32));
+        }
+    }
+
+    /// Sends on what the surface of a yarn reflects, `weights`, of light that met it.
+    pub fn reflect(&mut self, surface: &YarnSurface, arrival: &Arrival, weights: &[f64]) {
+        let Arrival { hit, omega_in } = arrival;
+        match surface {
+            YarnSurface::Lost => self.keep(weights.iter().map(|weight| [*weight, 0.0])),
+            YarnSurface::Smooth => {
+                let normal = hit.frame.normal;
+                let direction = normal * (2.0 * arrival.cos_in()) - omega_in;
+                self.launch(hit.position, direction, weights, false);
+            }
+            YarnSurface::Fibres(gloss) => {
+                let numbers = [self.rng.random(), self.rng.random()];
+                let local = gloss.draw(&hit.frame.to_local(omega_in), numbers);
+                self.launch(hit.position, hit.frame.to_world(&local), weights, true);
+            }
         }
     }
 
@@ -161,7 +188,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         queue.weights.extend(weights);
     }
 
-    fn escape(&mut self, direction: &Vec3, weights: &[f64], scattered: bool) {
+    fn escape(&mut self, direction: &Vec3, weights: &[f64], spread: bool) {
         let side = if (direction.z > 0.0) == self.light_above {
             REFLECTED
         } else {
@@ -170,7 +197,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
             sums[side] += weight;
         }
-        if scattered && !self.catch_scattered {
+        if spread && !self.catch_spread {
             return;
         }
         let caught = &mut self.caught;

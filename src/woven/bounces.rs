@@ -1,8 +1,9 @@
 use super::air::{Air, Arrival};
-use super::{Beam, ClothBatch, ClothLedger, Detector, ViewCones};
+use super::{Beam, ClothBatch, ClothLedger, Detector, ViewCones, YarnSurface};
 use crate::cloth::{System, Tubes};
 use crate::geometry::Vec3;
-use crate::optics::fresnel;
+use crate::optics::fresnel::{self, Interface};
+use crate::shading::FibreGloss;
 use crate::transport::{Purpose, Stream};
 use crate::yarn::{Yarn, YarnScatter, kept_by_straight_yarn};
 use rand::RngExt;
@@ -22,8 +23,8 @@ pub struct Bounces<'a> {
     pub scatter: [&'a YarnScatter; 2],
     /// Reflectance, at each wavelength, of a rough plane under the cloth.
     pub backing: Option<&'a [f64]>,
-    /// Whether light that the yarns' smooth surface reflects goes on. If not, it counts as absorbed.
-    pub surface_reflection: bool,
+    /// What becomes of light that the yarns reflect on its way in.
+    pub surface: YarnSurface,
     /// Yarns that light may go on to after the first it met; what would go on further counts as absorbed.
     pub most: usize,
     pub seed: u64,
@@ -50,8 +51,9 @@ impl Bounces<'_> {
 
     /// What views see of light that was not scattered by the first yarn that the beam met and by no other, and of what that yarn
     /// scatters beyond a straight one: the brightness factor
-    /// at [view][wavelength]; and the ledger of all light. Light scattered last is worked out for each view from `particles` particles; light that a surface
-    /// sends on last has no density in direction, and is caught in the cones, from `straight` times as many.
+    /// at [view][wavelength]; and the ledger of all light. Light scattered last, or reflected by fibres, is worked out for each view from
+    /// `particles` particles; light that a smooth surface sends on last has no density in direction, and is caught in the cones, from
+    /// `straight` times as many.
     pub fn between(
         &self,
         beam: &Beam,
@@ -84,7 +86,7 @@ impl Bounces<'_> {
         &self,
         beam: &Beam,
         detector: &D,
-        catch_scattered: bool,
+        catch_spread: bool,
         views: &mut [Seen],
         batch: usize,
         particles: usize,
@@ -93,14 +95,7 @@ impl Bounces<'_> {
         let first = 2 * usize::from(views.is_empty());
         let stream = |number| Stream::open(self.seed, Purpose::Bounces, beam.number, batch, first + number);
         let wavelengths = self.yarns[0].medium.grid().len();
-        let mut air = Air::new(
-            self.tubes,
-            self.backing,
-            detector,
-            catch_scattered,
-            stream(0),
-            wavelengths,
-        );
+        let mut air = Air::new(self.tubes, self.backing, detector, catch_spread, stream(0), wavelengths);
         let mut rng = stream(1);
         let mut parts = Parts::new(wavelengths);
         air.shine(&beam.omega_in, particles);
@@ -116,7 +111,12 @@ impl Bounces<'_> {
                         air.keep(weights.iter().map(|w| [f64::from(*w), 0.0]));
                         continue;
                     }
-                    self.cross(yarn, arrival, weights, &mut parts, &mut air);
+                    let entry = enter(yarn, arrival, weights, &mut parts);
+                    if let YarnSurface::Fibres(gloss) = &self.surface {
+                        self.show_gloss(gloss, arrival, &parts.out, views);
+                    }
+                    air.reflect(&self.surface, arrival, &parts.out);
+                    self.cross(yarn, arrival, &entry, &mut parts, &mut air);
                     if visited > 0 {
                         self.show(scatter, arrival, &parts.inside, views, &mut rng);
                     } else if !views.is_empty() {
@@ -135,34 +135,21 @@ impl Bounces<'_> {
         air.batch(particles)
     }
 
-    /// Sends on what the surface reflects and what crosses the yarn; leaves in `parts.inside` what does neither.
+    /// Sends on what crosses the yarn of the light inside; leaves in `parts.inside` what does not.
     fn cross<D: Detector>(
         &self,
         yarn: &Yarn,
         arrival: &Arrival,
-        weights: &[f32],
+        entry: &Interface,
         parts: &mut Parts,
         air: &mut Air<'_, D, Xoshiro256PlusPlus>,
     ) {
         let (hit, omega_in) = (&arrival.hit, arrival.omega_in);
-        let medium = &yarn.medium;
-        // Dispersion of the host parts ballistic light of different wavelengths; it goes along the way of the middle one.
-        let index = medium.host_index()[medium.host_index().len() / 2];
+        let (medium, index) = (&yarn.medium, middle_index(yarn));
         let mut normal = hit.frame.normal;
-        let cos_in = normal.dot(&omega_in).clamp(0.0, 1.0);
-        let outside = fresnel::interface(cos_in, index);
-        for ((inside, out), weight) in parts.inside.iter_mut().zip(&mut parts.out).zip(weights) {
-            *out = outside.reflectance * f64::from(*weight);
-            *inside = f64::from(*weight) - *out;
-        }
-        if self.surface_reflection {
-            air.launch(hit.position, normal * (2.0 * cos_in) - omega_in, &parts.out, false);
-        } else {
-            air.keep(parts.out.iter().map(|out| [*out, 0.0]));
-        }
         parts.straight.copy_from_slice(&parts.inside);
         let mut position = hit.position;
-        let mut direction = refracted(&-omega_in, &normal, cos_in, outside.cos_t, 1.0 / index);
+        let mut direction = refracted(&-omega_in, &normal, arrival.cos_in(), entry.cos_t, 1.0 / index);
         for _ in 0..INNER_HITS {
             let length_mm =
                 self.tubes
@@ -201,6 +188,20 @@ impl Bounces<'_> {
                 air.launch(position, leaving, &parts.out, false);
             }
             direction -= normal * (2.0 * cos_i);
+        }
+    }
+
+    /// Adds to what the views see of the light that fibres reflect.
+    fn show_gloss(&self, gloss: &FibreGloss, arrival: &Arrival, reflected: &[f64], views: &mut [Seen]) {
+        let hit = &arrival.hit;
+        let omega_in = hit.frame.to_local(&arrival.omega_in);
+        for Seen { towards, flux } in views {
+            let density = gloss.density(&omega_in, &hit.frame.to_local(towards));
+            if density > 0.0 && self.tubes.first_hit(hit.position, *towards).is_none() {
+                for (sum, reflected) in flux.iter_mut().zip(reflected) {
+                    *sum += density * reflected;
+                }
+            }
         }
     }
 
@@ -286,11 +287,26 @@ impl Parts {
     }
 }
 
+/// Splits light that meets a yarn: what its surface reflects, `parts.out`, and what goes in, `parts.inside`.
+fn enter(yarn: &Yarn, arrival: &Arrival, weights: &[f32], parts: &mut Parts) -> Interface {
+    let entry = fresnel::interface(arrival.cos_in(), middle_index(yarn));
+    for ((inside, out), weight) in parts.inside.iter_mut().zip(&mut parts.out).zip(weights) {
+        *out = entry.reflectance * f64::from(*weight);
+        *inside = f64::from(*weight) - *out;
+    }
+    entry
+}
+
+/// Dispersion of the host parts ballistic light of different wavelengths; it goes along the way of the middle one.
+fn middle_index(yarn: &Yarn) -> f64 {
+    let hosts = yarn.medium.host_index();
+    hosts[hosts.len() / 2]
+}
+
 /// Of light that meets a straight yarn, what is neither reflected nor ballistic: f* was traced in one. In a bent one
 /// surfaces lean towards each other, and light that a straight one lets through is totally reflected and scatters after all.
 fn straight_yarn(yarn: &Yarn, arrival: &Arrival, weights: &[f32], inside: &mut [f64]) {
-    let hosts = yarn.medium.host_index();
-    let index = hosts[hosts.len() / 2];
+    let index = middle_index(yarn);
     let local = arrival.hit.frame.to_local(&arrival.omega_in);
     let surface = fresnel::interface(local.z.clamp(0.0, 1.0), index);
     for (w, (inside, weight)) in inside.iter_mut().zip(weights).enumerate() {

@@ -8,11 +8,13 @@ mod air;
 mod bounces;
 mod detector;
 mod ledger;
+mod surface;
 mod volumetric;
 
 pub use bounces::Bounces;
 pub use detector::{Detector, HemisphereNodes, ViewCones};
 pub use ledger::ClothLedger;
+pub use surface::YarnSurface;
 pub use volumetric::{Inside, Volumetric};
 
 use crate::geometry::Vec3;
