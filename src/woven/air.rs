@@ -9,6 +9,8 @@ pub(super) struct Arrival {
     pub hit: TubeHit,
     /// Unit vector towards where it comes from.
     pub omega_in: Vec3,
+    /// Straight from the beam: neither a yarn nor the backing has sent it here.
+    pub sunlit: bool,
 }
 
 impl Arrival {
@@ -88,7 +90,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             let y = (shift + GOLDEN * k as f64).fract();
             let origin = Vec3::new(x * cell_x, y * cell_y, 0.0) + away;
             match self.tubes.first_hit(origin, -omega_in) {
-                Some(hit) => self.queue(hit, *omega_in, std::iter::repeat_n(1.0, self.wavelengths)),
+                Some(hit) => self.queue(hit, *omega_in, true, std::iter::repeat_n(1.0, self.wavelengths)),
                 None if self.backing.is_some() => {
                     let all = vec![1.0; self.wavelengths];
                     self.meet_backing(origin, -omega_in, &all);
@@ -134,13 +136,18 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             sums[GAMES] += weight - goes_on;
         }
         if survives {
-            self.queue(hit, -direction, weights.iter().map(|weight| (worth * weight) as f32));
+            self.queue(
+                hit,
+                -direction,
+                false,
+                weights.iter().map(|weight| (worth * weight) as f32),
+            );
         }
     }
 
     /// Sends on what the surface of a yarn reflects, `weights`, of light that met it.
     pub fn reflect(&mut self, surface: &YarnSurface, arrival: &Arrival, weights: &[f64]) {
-        let Arrival { hit, omega_in } = arrival;
+        let Arrival { hit, omega_in, .. } = arrival;
         match surface {
             YarnSurface::Lost => self.keep(weights.iter().map(|weight| [*weight, 0.0])),
             YarnSurface::Smooth => {
@@ -182,9 +189,9 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         self.sent_back = sent_back;
     }
 
-    fn queue(&mut self, hit: TubeHit, omega_in: Vec3, weights: impl Iterator<Item = f32>) {
+    fn queue(&mut self, hit: TubeHit, omega_in: Vec3, sunlit: bool, weights: impl Iterator<Item = f32>) {
         let queue = &mut self.queues[place(hit.yarn.system)];
-        queue.arrivals.push(Arrival { hit, omega_in });
+        queue.arrivals.push(Arrival { hit, omega_in, sunlit });
         queue.weights.extend(weights);
     }
 

@@ -101,11 +101,9 @@ impl Bounces<'_> {
         air.shine(&beam.omega_in, particles);
         let mut visited = 0;
         while !air.is_empty() {
-            for (system, (yarn, scatter)) in [System::Warp, System::Weft]
-                .into_iter()
-                .zip(self.yarns.into_iter().zip(self.scatter))
-            {
-                let waiting = air.take(system);
+            // Both before either is followed: what a warp sends to a weft has been to one yarn more.
+            let waiting = [System::Warp, System::Weft].map(|system| air.take(system));
+            for (waiting, (yarn, scatter)) in waiting.into_iter().zip(self.yarns.into_iter().zip(self.scatter)) {
                 for (arrival, weights) in waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths)) {
                     if visited > self.most {
                         air.keep(weights.iter().map(|w| [f64::from(*w), 0.0]));
@@ -117,7 +115,7 @@ impl Bounces<'_> {
                     }
                     air.reflect(&self.surface, arrival, &parts.out);
                     self.cross(yarn, arrival, &entry, &mut parts, &mut air);
-                    if visited > 0 {
+                    if !arrival.sunlit {
                         self.show(scatter, arrival, &parts.inside, views, &mut rng);
                     } else if !views.is_empty() {
                         // Shading in the sun has the straight yarn's share already.
