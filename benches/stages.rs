@@ -201,13 +201,13 @@ fn chain(c: &mut Criterion) {
     group.sample_size(10).measurement_time(Duration::from_secs(10));
     let tracer = DirectTracer::new(&plan.yarn, plan.factor_grid, plan.direct_effort, None).expect("a yarn");
     group.bench_function("f* table, one batch", |b| b.iter(|| tracer.batch(0)));
-    let table = tracer.batch(0).radiance_factor;
+    let tables = [tracer.batch(0).radiance_factor];
     let view = [Geometry {
         theta_i_deg: 30.0,
         theta_v_deg: 30.0,
     }];
     group.bench_function("shading, one view and batch", |b| {
-        b.iter(|| CameraBatch::trace(&plan, &view, 0).shade(&table));
+        b.iter(|| CameraBatch::trace(&plan, &view, 0).shade(&tables));
     });
     let folder = std::env::temp_dir().join(format!("specval-bench-{}", std::process::id()));
     group.bench_function("report --quick", |b| {

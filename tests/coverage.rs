@@ -102,7 +102,7 @@ fn quantities(plan: &Plan, measured: &[Option<Reading>]) -> Quantities {
     }
 
     let direct = DirectTracer::new(&plan.yarn, plan.factor_grid, plan.direct_effort, None).unwrap();
-    let bssrdf = plan.bssrdf_grid().unwrap();
+    let bssrdf = plan.bssrdf_grid(&plan.yarn).unwrap();
     let patch = PatchTracer::new(&plan.yarn, bssrdf, plan.factor_grid, plan.bssrdf_effort).unwrap();
     let values = plan.factor_grid.cells() * plan.grid.len();
     let mut sums = [BatchSums::zeros(values), BatchSums::zeros(values)];

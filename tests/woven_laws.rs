@@ -374,7 +374,7 @@ fn sun_and_light_between_are_all_light() {
                 most: usize::MAX,
                 seed: 1,
             };
-            let sun = CameraBatch::trace(&plan, &geometries, batch).shade(&table);
+            let sun = CameraBatch::trace(&plan, &geometries, batch).shade(std::slice::from_ref(&table));
             let (between, _) = light.between(&beam, &cones, batch, 2000, 8);
             let caught = light.batch(&beam, &cones, batch, 12_000).caught;
             let per_view = 1.0 / geometries.len() as f64;

@@ -232,7 +232,11 @@ pub fn study(plan: &Plan, effort: CheckEffort, progress: Progress) -> Result<Che
         study: serde_json::to_value(&plan.study)?,
         inputs: plan.inputs.clone(),
     };
-    let passive = medium::passive(&plan.yarn.medium, context);
+    let mut passive = medium::passive(&plan.yarn.medium, context);
+    if plan.weft.is_some() {
+        passive =
+            passive.with_note("warp and weft differ: laws are tested on the warp's yarn, and on a cloth of it alone");
+    }
     let mut gates = vec![passive.clone()];
     gates.extend(medium::tables(context)?);
     gates.extend([

@@ -139,7 +139,7 @@ pub fn shading(context: &Context) -> Gate {
         rows.fill(grid.mean_cosine(tilt));
     }
     let geometries = plan.geometries();
-    let shaded = CameraBatch::trace(plan, &geometries, 0).shade(&table);
+    let shaded = CameraBatch::trace(plan, &geometries, 0).shade(&vec![table; plan.different_yarns().count()]);
     let departures: Vec<f64> = geometries
         .iter()
         .zip(&shaded)

@@ -87,7 +87,7 @@ fn tilt_words(grid: &RadianceFactorGrid, tilt: usize) -> String {
 
 pub fn bssrdf(context: &Context) -> Result<Gate, CheckError> {
     let Context { plan, judge, .. } = context;
-    let grid = plan.bssrdf_grid()?;
+    let grid = plan.bssrdf_grid(&plan.yarn)?;
     let wavelengths = plan.grid.len();
     let effort = Effort::new(plan.study.seed, TABLES, context.of_estimator(2 * context.share(1)))?;
     let summed = RadianceFactorGrid::new(1, SurfaceGrid::new(4, 1, 4)?)?;

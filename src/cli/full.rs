@@ -120,7 +120,7 @@ pub fn run(plan: &Plan, out: &Path, full: &Arguments, options: &Options, termina
     }
     let batches = plan.direct_effort.batches;
     let particles = options.paths.map_or(PATHS, u64::from).div_ceil(batches as u64) as usize;
-    let mut group = symmetries(&plan.cloth_spec, true, true);
+    let mut group = symmetries(&plan.cloth_spec, plan.weft.is_none(), true);
     if plan.fibres.is_some_and(|gloss| gloss.is_handed()) {
         group.retain(Symmetry::keeps_hand);
     }

@@ -1,5 +1,6 @@
 use super::Plan;
 use super::curves::directions;
+use crate::cloth::System;
 use crate::compare::Geometry;
 use crate::fault::{self, Fault};
 use crate::geometry::Bilinear;
@@ -9,14 +10,21 @@ use crate::yarn::{FactorWeights, WeightTally};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// What the camera sees of the cloth in one batch, at every geometry: weights of the cells of the f* table. They depend
-/// on the weave, the rig and the axes of the table alone, so one batch of camera rays shades with the tables of many
+/// What the camera sees of the cloth in one batch, at every geometry: weights of the cells of the f* tables. They depend
+/// on the weave, the rig and the axes of the tables alone, so one batch of camera rays shades with the tables of many
 /// media. All incidences of a view share its rays, and a view has the same rays whatever else the rig measures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraBatch {
     wavelengths: usize,
-    /// cosθ_i and the weights, by geometry.
-    geometries: Vec<(f64, FactorWeights)>,
+    geometries: Vec<Sight>,
+}
+
+/// The cloth at one geometry.
+#[derive(Clone, Debug, PartialEq)]
+struct Sight {
+    cos_i: f64,
+    /// Of each of [`Plan::different_yarns`].
+    weights: Vec<FactorWeights>,
 }
 
 impl CameraBatch {
@@ -27,28 +35,36 @@ impl CameraBatch {
             views.entry(stream_of(*geometry)).or_default().push((place, *geometry));
         }
         let views: Vec<(usize, Vec<(usize, Geometry)>)> = views.into_iter().collect();
-        let mut seen: Vec<(usize, f64, FactorWeights)> = views
+        let tallies = || {
+            plan.different_yarns()
+                .map(|_| WeightTally::new(plan.factor_grid))
+                .collect()
+        };
+        let mut seen: Vec<(usize, Sight)> = views
             .par_iter()
-            .map_init(
-                || WeightTally::new(plan.factor_grid),
-                |tally, (stream, at_view)| see(plan, *stream, at_view, batch, tally),
-            )
+            .map_init(tallies, |tallies: &mut Vec<WeightTally>, (stream, at_view)| {
+                see(plan, *stream, at_view, batch, tallies)
+            })
             .flatten_iter()
             .collect();
         seen.sort_unstable_by_key(|&(place, ..)| place);
         Self {
             wavelengths: plan.grid.len(),
-            geometries: seen.into_iter().map(|(_, cos_i, weights)| (cos_i, weights)).collect(),
+            geometries: seen.into_iter().map(|(_, sight)| sight).collect(),
         }
     }
 
-    /// Diffuse β at [geometry][wavelength] of the yarn whose f* is `table`: one batch on the study's grid, wavelength
-    /// fastest, at the study's wavelengths.
-    pub fn shade(&self, table: &[f64]) -> Vec<Vec<f64>> {
+    /// Diffuse β at [geometry][wavelength] of yarns whose f* are `tables`, one for each of [`Plan::different_yarns`]: one batch on
+    /// the study's grid, wavelength fastest, at the study's wavelengths.
+    pub fn shade(&self, tables: &[Vec<f64>]) -> Vec<Vec<f64>> {
         self.geometries
             .par_iter()
-            .map(|(cos_i, weights)| {
-                let mut beta = weights.contract(table, self.wavelengths);
+            .map(|Sight { cos_i, weights }| {
+                let mut beta = vec![0.0; self.wavelengths];
+                for (weights, table) in weights.iter().zip(tables) {
+                    let of_yarn = weights.contract(table, self.wavelengths);
+                    beta.iter_mut().zip(of_yarn).for_each(|(sum, b)| *sum += b);
+                }
                 beta.iter_mut().for_each(|b| *b = brightness_factor(*b, *cos_i).0);
                 beta
             })
@@ -68,8 +84,8 @@ fn see(
     stream: usize,
     at_view: &[(usize, Geometry)],
     batch: usize,
-    tally: &mut WeightTally,
-) -> Vec<(usize, f64, FactorWeights)> {
+    tallies: &mut [WeightTally],
+) -> Vec<(usize, Sight)> {
     let Some((_, omega_out)) = at_view.first().map(|(_, geometry)| directions(plan, *geometry)) else {
         return Vec::new();
     };
@@ -85,13 +101,18 @@ fn see(
         .map(|&(place, geometry)| {
             let (omega_in, _) = directions(plan, geometry);
             for (point, seen) in &points {
+                let of_yarn = match point.hit.system() {
+                    System::Warp => 0,
+                    System::Weft => tallies.len() - 1,
+                };
                 if let Some(light) = point.light(&plan.cloth, &omega_in) {
-                    tally.add(&light, seen);
+                    tallies[of_yarn].add(&light, seen);
                 }
             }
             let cos_i = geometry.theta_i_deg.to_radians().cos();
             let second = if fault::active(Fault::DoubleCosine) { cos_i } else { 1.0 };
-            (place, cos_i, tally.drain(share * second))
+            let weights = tallies.iter_mut().map(|tally| tally.drain(share * second)).collect();
+            (place, Sight { cos_i, weights })
         })
         .collect()
 }
@@ -135,7 +156,7 @@ mod tests {
             row[4] = 1.0;
             row[9] = 2.0;
         });
-        let beta = &camera.shade(&table)[0];
+        let beta = &camera.shade(&[table])[0];
         // The plain weave at 1.8 diameters covers 0.802 of the cell, 2.52 / π, and what is seen from the light is lit.
         assert!((2.4..2.6).contains(&beta[4]) && beta[9] == 2.0 * beta[4]);
         assert_eq!(beta.iter().filter(|b| **b != 0.0).count(), 2);

@@ -4,8 +4,9 @@ use crate::compare::Geometry;
 use crate::rig::{omega_in, omega_out};
 use crate::spectrum::Samples;
 use crate::woven::{Beam, Bounces, ClothBatch, ClothLedger, Detector, ViewCones, Volumetric};
-use crate::yarn::{Sharing, YarnScatter};
+use crate::yarn::{Estimator, Sharing, YarnScatter};
 use rayon::prelude::*;
+use std::iter::zip;
 
 /// Light that comes onto the cloth at one of the rig's angles, and the views that look at it.
 pub(super) struct LitViews {
@@ -50,7 +51,8 @@ pub(super) fn lit_views(plan: &Plan, geometries: &[Geometry]) -> Vec<LitViews> {
 /// The woven cloth with light traced through the medium of its yarns.
 pub struct VolumetricCloth<'a> {
     tubes: Tubes,
-    sharing: Vec<Sharing<'a>>,
+    /// Groups of wavelengths that share paths, in the media of warp and weft.
+    sharing: Vec<[Sharing<'a>; 2]>,
     plan: &'a Plan,
     particles: usize,
     surface_reflection: bool,
@@ -61,11 +63,23 @@ impl<'a> VolumetricCloth<'a> {
     /// `particles` in a batch; whether light that the yarns' surface reflects on its way in goes on, spread by the study's fibres if
     /// it has any.
     pub fn new(plan: &'a Plan, particles: usize, surface_reflection: bool) -> Result<Self, RunError> {
+        // Paths go through both media, so one that parts the wavelengths parts them in both.
+        let shared = plan
+            .yarns()
+            .iter()
+            .all(|yarn| yarn.estimator_in_use() == Estimator::Shared);
+        let estimator = if shared {
+            Estimator::Shared
+        } else {
+            Estimator::Independent
+        };
+        let [warp, weft] = plan.yarns();
+        let both = zip(warp.sharing_by(estimator)?, weft.sharing_by(estimator)?);
         Ok(Self {
             surface_reflection,
             backing: None,
             tubes: Tubes::new(&plan.cloth_spec)?,
-            sharing: plan.yarn.sharing()?,
+            sharing: both.map(|(warp, weft)| [warp, weft]).collect(),
             plan,
             particles,
         })
@@ -85,18 +99,19 @@ impl<'a> VolumetricCloth<'a> {
             ledger: Vec::new(),
             caught: vec![Vec::new(); detector.bins()],
         };
-        for Sharing { first, interior } in &self.sharing {
+        for [warp, weft] in &self.sharing {
+            let first = warp.first;
             let light = Volumetric {
                 tubes: &self.tubes,
-                interiors: [interior, interior],
+                interiors: [&warp.interior, &weft.interior],
                 backing: self
                     .backing
-                    .map(|values| &values[*first..*first + interior.wavelengths()]),
+                    .map(|values| &values[first..first + warp.interior.wavelengths()]),
                 roulette: self.plan.yarn.roulette,
                 surface: self.plan.surface(self.surface_reflection),
                 seed: self.plan.study.seed,
             };
-            let part = light.batch(beam, detector, *first, batch, self.particles);
+            let part = light.batch(beam, detector, first, batch, self.particles);
             all.ledger.extend(part.ledger);
             all.caught
                 .iter_mut()
@@ -153,14 +168,19 @@ impl<'a> LightBetween<'a> {
     }
 
     /// β, at the views of each incidence, of light that the first yarn it met has not scattered, or not alone; the ledger is of
-    /// all light. `table` is f* of the batch.
-    pub fn brightness(&self, table: &[f64], lit: &[LitViews], batch: usize) -> Result<Vec<LitBatch>, RunError> {
+    /// all light. `tables` are f* of the batch, one for each of [`Plan::different_yarns`].
+    pub fn brightness(&self, tables: &[Vec<f64>], lit: &[LitViews], batch: usize) -> Result<Vec<LitBatch>, RunError> {
         let plan = self.plan;
-        let scatter = YarnScatter::new(&plan.yarn, plan.factor_grid, table)?;
+        let scatter = zip(plan.different_yarns(), tables)
+            .map(|(yarn, table)| YarnScatter::new(yarn, plan.factor_grid, table))
+            .collect::<Result<Vec<_>, _>>()?;
+        let [Some(warp), Some(weft)] = [scatter.first(), scatter.last()] else {
+            return Ok(Vec::new());
+        };
         let light = Bounces {
             tubes: &self.tubes,
-            yarns: [&plan.yarn; 2],
-            scatter: [&scatter; 2],
+            yarns: plan.yarns(),
+            scatter: [warp, weft],
             backing: plan.backing.as_ref().map(Samples::values),
             surface: plan.surface(plan.study.specular.surface.is_of_yarns()),
             most: self.most,

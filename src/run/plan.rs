@@ -26,11 +26,18 @@ use std::path::{Path, PathBuf};
 pub enum RunError {
     #[error(transparent)]
     Study(#[from] StudyError),
-    #[error("`medium.dye`: {source}; nor is there a file of that name")]
-    Dye { source: SpectrumError },
-    /// A table that stands for the dye or a number of `[medium]`: not there, no table of a spectrum, or not over the study's wavelengths.
-    #[error("`medium.{key}`: {source}")]
-    Table { key: &'static str, source: SpectrumError },
+    #[error("`{section}.dye`: {source}; nor is there a file of that name")]
+    Dye {
+        section: &'static str,
+        source: SpectrumError,
+    },
+    /// A table that stands for the dye or a number of a medium: not there, no table of a spectrum, or not over the study's wavelengths.
+    #[error("`{section}.{key}`: {source}")]
+    Table {
+        section: &'static str,
+        key: &'static str,
+        source: SpectrumError,
+    },
     #[error(
         "`cloth.backing`: {source}; take \"none\", \"black\", \"white\" or the path of a spectrum of reflectances from 0 to 1"
     )]
@@ -88,7 +95,10 @@ pub enum RunError {
 pub struct Plan {
     pub study: Study,
     pub grid: WavelengthGrid,
+    /// Of the warp, and of the weft where that is no other.
     pub yarn: Yarn,
+    /// Of the weft, where `[weft]` says that it differs.
+    pub weft: Option<Yarn>,
     pub incident: IncidentGrid,
     pub bssrdf_surface: SurfaceGrid,
     pub bssrdf_effort: Effort,
@@ -113,9 +123,10 @@ impl Plan {
     pub fn new(study: Study) -> Result<Self, RunError> {
         study.validate()?;
         let grid = WavelengthGrid::new(study.spectrum.wavelengths())?;
-        let spectra = MediumSpectra::read(&study.medium, &grid)?;
+        let spectra = MediumSpectra::read("medium", &study.medium, &grid)?;
         let sample = Sample::load(&study.measured.sample)?;
         let mut inputs = spectra.digests(&study.medium, &grid)?;
+        let weft = weft(&study, &grid, &mut inputs)?;
         inputs.push(InputDigest {
             name: format!("sample {}", study.measured.sample),
             sha256: sample.digest().to_owned(),
@@ -131,7 +142,8 @@ impl Plan {
         let specular = &study.specular;
         let pixels = study.rig.pixels_per_side as usize;
         Ok(Self {
-            yarn: yarn(&study, &study.medium, spectra, &grid)?,
+            yarn: yarn(&study, study.yarn.radius_mm, &study.medium, spectra, &grid)?,
+            weft,
             incident: incident_grid(trace)?,
             bssrdf_surface: bssrdf_surface(trace)?,
             bssrdf_effort: effort(trace.paths_bssrdf)?,
@@ -160,23 +172,19 @@ impl Plan {
         })
     }
 
-    /// Axes of the stored BSSRDF.
-    pub fn bssrdf_grid(&self) -> Result<BssrdfGrid, RunError> {
+    /// Axes of the stored BSSRDF of a yarn.
+    pub fn bssrdf_grid(&self, yarn: &Yarn) -> Result<BssrdfGrid, RunError> {
         let z_cells = self.study.trace.z_cells as usize;
-        Ok(BssrdfGrid::new(
-            &self.yarn,
-            self.incident,
-            self.bssrdf_surface,
-            z_cells,
-        )?)
+        Ok(BssrdfGrid::new(yarn, self.incident, self.bssrdf_surface, z_cells)?)
     }
 
-    /// The same yarn of another medium.
+    /// The warp's yarn of another medium.
     pub fn yarn_of(&self, medium: &MediumSection) -> Result<Yarn, RunError> {
         yarn(
             &self.study,
+            self.study.yarn.radius_mm,
             medium,
-            MediumSpectra::read(medium, &self.grid)?,
+            MediumSpectra::read("medium", medium, &self.grid)?,
             &self.grid,
         )
     }
@@ -188,6 +196,16 @@ impl Plan {
             Some(gloss) => YarnSurface::Fibres(gloss),
             None => YarnSurface::Smooth,
         }
+    }
+
+    /// Of warp and weft.
+    pub fn yarns(&self) -> [&Yarn; 2] {
+        [&self.yarn, self.weft.as_ref().unwrap_or(&self.yarn)]
+    }
+
+    /// Those of them that differ, the warp's first: f* is traced once for each.
+    pub fn different_yarns(&self) -> impl Iterator<Item = &Yarn> {
+        std::iter::once(&self.yarn).chain(&self.weft)
     }
 
     /// Every pair of incidence and view of the rig.
@@ -237,17 +255,35 @@ pub(super) fn bssrdf_surface(trace: &TraceSection) -> Result<SurfaceGrid, YarnEr
     )
 }
 
+/// The weft's yarn, if it is not the warp's. Tables of `[medium]` that it shares were read for the warp, so what is wrong here is
+/// a key of `[weft]`.
+fn weft(study: &Study, grid: &WavelengthGrid, inputs: &mut Vec<InputDigest>) -> Result<Option<Yarn>, RunError> {
+    let medium = study.weft.medium(&study.medium);
+    let radius_mm = study.weft.radius_mm.unwrap_or(study.yarn.radius_mm);
+    if medium == study.medium && radius_mm == study.yarn.radius_mm {
+        return Ok(None);
+    }
+    let spectra = MediumSpectra::read("weft", &medium, grid)?;
+    let digests = spectra.digests(&medium, grid)?.into_iter();
+    inputs.extend(digests.map(|digest| InputDigest {
+        name: format!("weft {}", digest.name),
+        ..digest
+    }));
+    Ok(Some(yarn(study, radius_mm, &medium, spectra, grid)?))
+}
+
 fn yarn(
     study: &Study,
+    radius_mm: f64,
     medium: &MediumSection,
     spectra: MediumSpectra,
     grid: &WavelengthGrid,
 ) -> Result<Yarn, RunError> {
-    let radius = Cylinder::new(study.yarn.radius_mm).map_err(YarnError::from)?;
+    let cylinder = Cylinder::new(radius_mm).map_err(YarnError::from)?;
     let roulette =
         Roulette::new(study.trace.roulette_threshold, study.trace.roulette_survival).map_err(YarnError::from)?;
     Ok(Yarn {
-        cylinder: radius,
+        cylinder,
         medium: medium_of(medium, spectra, grid)?,
         roulette,
         estimator: match study.trace.estimator {
@@ -266,12 +302,14 @@ struct MediumSpectra {
 }
 
 impl MediumSpectra {
-    fn read(of: &MediumSection, grid: &WavelengthGrid) -> Result<Self, RunError> {
+    /// `section` is what errors call it.
+    fn read(section: &'static str, of: &MediumSection, grid: &WavelengthGrid) -> Result<Self, RunError> {
+        let read = |key, of| number_or_table(section, key, of, grid);
         Ok(Self {
-            host_index: number_or_table("host_index", &of.host_index, grid)?,
-            host_mu_a_per_mm: number_or_table("host_mu_a_per_mm", &of.host_mu_a_per_mm, grid)?,
-            particle_index: number_or_table("particle_index", &of.particle_index, grid)?,
-            dye: dye(&of.dye)?,
+            host_index: read("host_index", &of.host_index)?,
+            host_mu_a_per_mm: read("host_mu_a_per_mm", &of.host_mu_a_per_mm)?,
+            particle_index: read("particle_index", &of.particle_index)?,
+            dye: dye(section, &of.dye)?,
         })
     }
 
@@ -327,19 +365,28 @@ fn medium_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) 
 pub fn medium(study: &Study) -> Result<Medium, RunError> {
     study.validate()?;
     let grid = WavelengthGrid::new(study.spectrum.wavelengths())?;
-    medium_of(&study.medium, MediumSpectra::read(&study.medium, &grid)?, &grid)
+    medium_of(
+        &study.medium,
+        MediumSpectra::read("medium", &study.medium, &grid)?,
+        &grid,
+    )
 }
 
-/// A number of `[medium]`, or the table from the file that it names; `key` is without the section.
-fn number_or_table(key: &'static str, of: &NumberOrTable, grid: &WavelengthGrid) -> Result<Spectrum, RunError> {
+/// A number of a medium, or the table from the file that it names; `key` is without the section.
+fn number_or_table(
+    section: &'static str,
+    key: &'static str,
+    of: &NumberOrTable,
+    grid: &WavelengthGrid,
+) -> Result<Spectrum, RunError> {
     let path = match of {
         NumberOrTable::Number(value) => return Ok(Spectrum::Constant(*value)),
         NumberOrTable::Table(path) => path,
     };
-    let at_key = |source| RunError::Table { key, source };
+    let at_key = |source| RunError::Table { section, key, source };
     let table = read_spectrum(Path::new(path), ..).map_err(at_key)?;
     if let Spectrum::Table { samples, .. } = &table {
-        Study::check_medium_table(key, path, samples)?;
+        Study::check_medium_table(section, key, path, samples)?;
     }
     table.on(grid).map_err(at_key)?;
     Ok(table)
@@ -347,11 +394,11 @@ fn number_or_table(key: &'static str, of: &NumberOrTable, grid: &WavelengthGrid)
 
 /// Shape of the study's dye on its grid.
 pub(crate) fn dye_on(study: &Study, grid: &WavelengthGrid) -> Result<Samples, RunError> {
-    Ok(dye(&study.medium.dye)?.on(grid)?)
+    Ok(dye("medium", &study.medium.dye)?.on(grid)?)
 }
 
 /// A built-in dye by its name, else one from a file.
-fn dye(name: &str) -> Result<Spectrum, RunError> {
+fn dye(section: &'static str, name: &str) -> Result<Spectrum, RunError> {
     if fault::active(Fault::DyeScale)
         && let Spectrum::Table { name, samples } = tables::dye(name)?
     {
@@ -367,9 +414,16 @@ fn dye(name: &str) -> Result<Spectrum, RunError> {
     };
     let path = Path::new(name);
     if path.exists() {
-        return read_spectrum(path, 0.0..=1.0).map_err(|source| RunError::Table { key: "dye", source });
+        return read_spectrum(path, 0.0..=1.0).map_err(|source| RunError::Table {
+            section,
+            key: "dye",
+            source,
+        });
     }
-    Err(RunError::Dye { source: unknown })
+    Err(RunError::Dye {
+        section,
+        source: unknown,
+    })
 }
 
 /// Digests of the files that stand for the observer and the illuminant.
@@ -439,20 +493,22 @@ fn fibres(study: &Study) -> Result<Option<FibreGloss>, ShadingError> {
 
 fn cloth_spec(study: &Study, weave: Weave) -> ClothSpec {
     let cloth = &study.cloth;
-    let radius_mm = study.yarn.radius_mm;
-    let spacing_mm = 2.0 * radius_mm * cloth.spacing_diameters;
+    let warp_radius_mm = study.yarn.radius_mm;
+    let weft_radius_mm = study.weft.radius_mm.unwrap_or(warp_radius_mm);
+    let mean_diameter_mm = warp_radius_mm + weft_radius_mm;
+    let weft_spacing_diameters = study.weft.spacing_diameters.unwrap_or(cloth.spacing_diameters);
     ClothSpec {
         weave,
         centre_line: match cloth.centre_line {
             CentreLineChoice::Peirce => CentreLineKind::Peirce,
             CentreLineChoice::Sinusoid => CentreLineKind::Sinusoid {
-                amplitude_mm: cloth.sinusoid_amplitude_mm.unwrap_or(radius_mm),
+                amplitude_mm: cloth.sinusoid_amplitude_mm.unwrap_or(0.5 * mean_diameter_mm),
             },
         },
-        warp_radius_mm: radius_mm,
-        weft_radius_mm: radius_mm,
-        warp_spacing_mm: spacing_mm,
-        weft_spacing_mm: spacing_mm,
+        warp_radius_mm,
+        weft_radius_mm,
+        warp_spacing_mm: mean_diameter_mm * cloth.spacing_diameters,
+        weft_spacing_mm: mean_diameter_mm * weft_spacing_diameters,
         segments_around: cloth.segments_around as usize,
         segments_along: cloth.segments_along as usize,
         warp_flattening: cloth.warp_flattening,

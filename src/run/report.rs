@@ -49,12 +49,18 @@ pub fn report(
     if normal == plan.geometries().len() {
         fallbacks.push("the rig has no normal incidence and view; it was added for normalisation and Table 1".into());
     }
-    if plan.yarn.estimator_in_use() != plan.yarn.estimator {
+    if plan
+        .different_yarns()
+        .any(|yarn| yarn.estimator_in_use() != yarn.estimator)
+    {
         fallbacks.push(
             "the host is dispersive: wavelengths part at the surface and cannot share paths; the independent estimator was \
              used"
                 .into(),
         );
+    }
+    if plan.weft.is_some() {
+        notices.push("warp and weft differ: the energy ledger and the sweep are of the warp's yarn".into());
     }
     let cloth = &plan.study.cloth;
     if cloth.method == MethodChoice::RadianceFactor
@@ -131,7 +137,7 @@ pub fn report(
     }
     if let Some(draft) = &plan.study.weave.draft {
         fallbacks.push(format!(
-            "of the draft {draft} the interlacement alone is taken: warp and weft have the study's yarn, and colours, spacings \
+            "of the draft {draft} the interlacement alone is taken: warp and weft have the study's yarns, and colours, spacings \
              and thicknesses of the file are left out"
         ));
     }
@@ -265,16 +271,19 @@ fn orders(plan: &Plan, traced: usize) -> Result<[ColourRatios; 2], RunError> {
         (paths / plan.direct_effort.batches as u64).max(batches as u64)
     };
     let effort = Effort::new(plan.study.seed, batches, scaled(study.paths_direct))?;
-    let tracer = DirectTracer::new(&plan.yarn, plan.factor_grid, effort, None)?;
+    let tracers = plan
+        .different_yarns()
+        .map(|yarn| DirectTracer::new(yarn, plan.factor_grid, effort, None))
+        .collect::<Result<Vec<_>, _>>()?;
     let particles = scaled(study.particles).div_ceil(batches as u64) as usize;
     let between = LightBetween::new(plan, usize::MAX, particles)?;
     let lit = lit_views(plan, &[NORMAL]);
     let [mut direct, mut all] = [Vec::new(), Vec::new()];
     for batch in 0..batches {
-        let table = tracer.batch(batch).radiance_factor;
-        let sunlit = CameraBatch::trace(plan, &[NORMAL], batch).shade(&table);
+        let tables: Vec<Vec<f64>> = tracers.iter().map(|t| t.batch(batch).radiance_factor).collect();
+        let sunlit = CameraBatch::trace(plan, &[NORMAL], batch).shade(&tables);
         let mut whole = sunlit.clone();
-        for of in between.brightness(&table, &lit, batch)? {
+        for of in between.brightness(&tables, &lit, batch)? {
             for (sum, beta) in whole.iter_mut().flatten().zip(of.beta.iter().flatten()) {
                 *sum += beta;
             }
@@ -286,7 +295,8 @@ fn orders(plan: &Plan, traced: usize) -> Result<[ColourRatios; 2], RunError> {
     Ok([ratios(direct)?, ratios(all)?])
 }
 
-/// Ratios of the model with each of the sweep's values alone in place of the study's. After `traced` batches, fewer than
+/// Ratios of the model with each of the sweep's values alone in place of the study's, in the yarns of the warp where the weft's
+/// are of another medium. After `traced` batches, fewer than
 /// the study has, there are fewer paths here in proportion: a run that was short of time is short of it here too.
 fn sweep(
     plan: &Plan,
@@ -334,10 +344,16 @@ fn sweep(
     media
         .iter()
         .map(|medium| {
-            let yarn = plan.yarn_of(medium)?;
-            let tracer = DirectTracer::new(&yarn, plan.factor_grid, effort, None)?;
+            let warp = plan.yarn_of(medium)?;
+            let tracers = std::iter::once(&warp)
+                .chain(&plan.weft)
+                .map(|yarn| DirectTracer::new(yarn, plan.factor_grid, effort, None))
+                .collect::<Result<Vec<_>, _>>()?;
             let diffuse = std::iter::zip(0.., &cameras)
-                .map(|(batch, camera)| camera.shade(&tracer.batch(batch).radiance_factor))
+                .map(|(batch, camera)| {
+                    let tables: Vec<Vec<f64>> = tracers.iter().map(|t| t.batch(batch).radiance_factor).collect();
+                    camera.shade(&tables)
+                })
                 .collect();
             let curves = SpectralCurves::new(plan, vec![NORMAL], diffuse);
             progress(share);

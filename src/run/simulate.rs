@@ -8,7 +8,7 @@ use crate::report::{AskedEffort, EffortNote, EnergyRow, PathsPerBatch, ReachedPr
 use crate::study::{MethodChoice, ShadeWith};
 use crate::transport::{Ledger, LedgerEntry};
 use crate::woven::ClothLedger;
-use crate::yarn::{DirectTracer, EnergyTracer, IncidentGrid, PatchTracer};
+use crate::yarn::{DirectTracer, EnergyTracer, IncidentGrid, PatchTracer, Yarn};
 
 /// What one batch of light through yarn, cloth and rig gives. Nothing in it grows with the number of paths.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,11 +33,11 @@ pub struct Simulator<'a> {
 /// How the light of a batch is simulated.
 enum Light<'a> {
     /// f* in the sun, and, where it is asked for, what goes on from yarn to yarn.
-    RadianceFactor(Box<Shading<'a>>, Option<LightBetween<'a>>),
+    RadianceFactor(Vec<Shading<'a>>, Option<LightBetween<'a>>),
     Volumetric(VolumetricCloth<'a>),
 }
 
-/// The road to the f* that the study shades with.
+/// The road to the f* of one yarn that the study shades with.
 enum Shading<'a> {
     Direct(DirectTracer<'a>),
     Bssrdf(PatchTracer<'a>),
@@ -48,17 +48,14 @@ impl<'a> Simulator<'a> {
     pub const ROUND: usize = 4;
 
     pub fn new(plan: &'a Plan, geometries: Vec<Geometry>) -> Result<Self, RunError> {
-        let shading = || -> Result<Shading<'a>, RunError> {
+        let shading = |yarn: &'a Yarn| -> Result<Shading<'a>, RunError> {
             Ok(match plan.study.trace.shade_with {
-                ShadeWith::Direct => Shading::Direct(DirectTracer::new(
-                    &plan.yarn,
-                    plan.factor_grid,
-                    plan.direct_effort,
-                    None,
-                )?),
+                ShadeWith::Direct => {
+                    Shading::Direct(DirectTracer::new(yarn, plan.factor_grid, plan.direct_effort, None)?)
+                }
                 ShadeWith::Bssrdf => Shading::Bssrdf(PatchTracer::new(
-                    &plan.yarn,
-                    plan.bssrdf_grid()?,
+                    yarn,
+                    plan.bssrdf_grid(yarn)?,
                     plan.factor_grid,
                     plan.bssrdf_effort,
                 )?),
@@ -77,7 +74,8 @@ impl<'a> Simulator<'a> {
         let light = match plan.study.cloth.method {
             MethodChoice::RadianceFactor => {
                 let between = || LightBetween::new(plan, most, of_batch(plan.study.trace.particles));
-                Light::RadianceFactor(Box::new(shading()?), goes_on.then(between).transpose()?)
+                let shading = plan.different_yarns().map(shading).collect::<Result<_, _>>()?;
+                Light::RadianceFactor(shading, goes_on.then(between).transpose()?)
             }
             MethodChoice::Volumetric => {
                 let particles = of_batch(plan.study.trace.particles_volumetric);
@@ -125,12 +123,15 @@ impl<'a> Simulator<'a> {
         let ledgers = self.energy.batch(batch).ledgers;
         let (mut diffuse, followed) = match &self.light {
             Light::RadianceFactor(shading, between) => {
-                let table = match &**shading {
+                let table = |of: &Shading| match of {
                     Shading::Direct(tracer) => tracer.batch(batch).radiance_factor,
                     Shading::Bssrdf(tracer) => tracer.batch(batch).radiance_factor,
                 };
-                let sunlit = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&table);
-                let between = between.as_ref().map(|light| light.brightness(&table, &self.lit, batch));
+                let tables: Vec<Vec<f64>> = shading.iter().map(table).collect();
+                let sunlit = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&tables);
+                let between = between
+                    .as_ref()
+                    .map(|light| light.brightness(&tables, &self.lit, batch));
                 (sunlit, between.transpose()?.unwrap_or_default())
             }
             Light::Volumetric(cloth) => {

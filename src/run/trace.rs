@@ -43,7 +43,7 @@ impl<'a> YarnTracer<'a> {
             plan,
             energy: EnergyTracer::new(yarn, plan.incident, plan.bssrdf_effort, Some(lengths.clone()))?,
             direct: DirectTracer::new(yarn, factors, plan.direct_effort, Some(lengths.clone()))?,
-            patch: PatchTracer::new(yarn, plan.bssrdf_grid()?, factors, plan.bssrdf_effort)?,
+            patch: PatchTracer::new(yarn, plan.bssrdf_grid(yarn)?, factors, plan.bssrdf_effort)?,
             lengths,
         })
     }

@@ -158,6 +158,7 @@ const VIEW: Range = Range {
     high: 90.0,
     high_included: false,
 };
+const SPACING: Range = above(1.0, 100.0);
 /// Equal spheres cannot fill more than π/√18 = 0.7405 of a volume.
 const FRACTION: Range = Range {
     low: 0.0,
@@ -167,6 +168,61 @@ const FRACTION: Range = Range {
 };
 const CELLS: Kind = Kind::Integer(1, 1000);
 const PATHS: Kind = Kind::Integer(2, 1_000_000_000_000);
+
+const HOST_INDEX: Field = field(
+    "host_index",
+    "",
+    Kind::NumberOrTable(INDEX),
+    "Refractive index of the host.",
+);
+const HOST_MU_A_PER_MM: Field = field(
+    "host_mu_a_per_mm",
+    "1/mm",
+    Kind::NumberOrTable(closed(0.0, 1e6)),
+    "Absorption coefficient of the host.",
+);
+const PARTICLE_INDEX: Field = field(
+    "particle_index",
+    "",
+    Kind::NumberOrTable(INDEX),
+    "Refractive index of the particles, absolute.",
+);
+const PARTICLE_DIAMETER_NM: Field = field(
+    "particle_diameter_nm",
+    "nm",
+    Kind::Number(DIAMETER),
+    "Diameter (not radius) of the particles.",
+);
+const VOLUME_FRACTION: Field = field(
+    "volume_fraction",
+    "",
+    Kind::Number(FRACTION),
+    "Share of the yarn's volume that is particles.",
+);
+const KAPPA_PEAK: Field = field(
+    "kappa_peak",
+    "",
+    Kind::Number(KAPPA),
+    "Imaginary part of the particles' refractive index at the peak of the dye.",
+);
+const DYE: Field = field(
+    "dye",
+    "",
+    Kind::Text,
+    "Shape of the dye's absorption over wavelength, 1 at its peak: a built-in dye, or a path to a CSV or CGATS text.",
+);
+const INTERFERENCE: Field = field(
+    "interference",
+    "",
+    Kind::Choice(&["independent", "percus-yevick"]),
+    "Particles scatter as if alone, or with the Percus-Yevick structure factor of hard spheres.",
+);
+const RADIUS_MM: Field = field(
+    "radius_mm",
+    "mm",
+    Kind::Number(above(0.0, 100.0)),
+    "Radius of the yarn.",
+);
 
 pub(super) const SECTIONS: &[Section] = &[
     Section {
@@ -211,74 +267,55 @@ pub(super) const SECTIONS: &[Section] = &[
         name: "medium",
         meaning: "What fills the yarn: equal dyed spheres in a clear host.",
         fields: &[
-            field(
-                "host_index",
-                "",
-                Kind::NumberOrTable(INDEX),
-                "Refractive index of the host.",
-            ),
-            field(
-                "host_mu_a_per_mm",
-                "1/mm",
-                Kind::NumberOrTable(closed(0.0, 1e6)),
-                "Absorption coefficient of the host.",
-            ),
-            field(
-                "particle_index",
-                "",
-                Kind::NumberOrTable(INDEX),
-                "Refractive index of the particles, absolute.",
-            ),
-            field(
-                "particle_diameter_nm",
-                "nm",
-                Kind::Number(DIAMETER),
-                "Diameter (not radius) of the particles.",
-            ),
-            field(
-                "volume_fraction",
-                "",
-                Kind::Number(FRACTION),
-                "Share of the yarn's volume that is particles.",
-            ),
-            field(
-                "kappa_peak",
-                "",
-                Kind::Number(KAPPA),
-                "Imaginary part of the particles' refractive index at the peak of the dye.",
-            ),
-            field(
-                "dye",
-                "",
-                Kind::Text,
-                "Shape of the dye's absorption over wavelength, 1 at its peak: a built-in dye, or a path to a CSV or CGATS text.",
-            ),
-            field(
-                "interference",
-                "",
-                Kind::Choice(&["independent", "percus-yevick"]),
-                "Particles scatter as if alone, or with the Percus-Yevick structure factor of hard spheres.",
-            ),
+            HOST_INDEX,
+            HOST_MU_A_PER_MM,
+            PARTICLE_INDEX,
+            PARTICLE_DIAMETER_NM,
+            VOLUME_FRACTION,
+            KAPPA_PEAK,
+            DYE,
+            INTERFERENCE,
         ],
     },
     Section {
         name: "yarn",
         meaning: "An infinite circular cylinder.",
         fields: &[
-            field(
-                "radius_mm",
-                "mm",
-                Kind::Number(above(0.0, 100.0)),
-                "Radius of the yarn.",
+            RADIUS_MM,
+            optional(
+                field(
+                    "twist_deg",
+                    "degrees",
+                    Kind::Number(closed(-90.0, 90.0)),
+                    "Angle of the fibres to the axis of warps and wefts, where [specular] surface is \"fibres\": positive Z twist, \
+                     negative S twist; 0, along the axis, where it is left out.",
+                ),
+                "20.0",
             ),
-            Field {
-                key: "twist_deg",
-                unit: "degrees",
-                kind: Kind::Number(closed(-90.0, 90.0)),
-                meaning: "Angle of the fibres to the yarn's axis, where [specular] surface is \"fibres\": positive Z twist, negative S \
-                          twist; 0, along the axis, where it is left out.",
-                example: Some("20.0"),
-            },
+        ],
+    },
+    Section {
+        name: "weft",
+        meaning: "In what the weft differs from the warp. What is left out is as in [medium], [yarn] and [cloth].",
+        fields: &[
+            optional(RADIUS_MM, "0.12"),
+            optional(
+                field(
+                    "spacing_diameters",
+                    "yarn diameters",
+                    Kind::Number(SPACING),
+                    "Distance of neighbouring wefts, in mean diameters of warp and weft.",
+                ),
+                "2.0",
+            ),
+            optional(HOST_INDEX, "1.557"),
+            optional(HOST_MU_A_PER_MM, "0.0"),
+            optional(PARTICLE_INDEX, "1.61"),
+            optional(PARTICLE_DIAMETER_NM, "150.0"),
+            optional(VOLUME_FRACTION, "0.14"),
+            optional(KAPPA_PEAK, "0.0"),
+            optional(DYE, "\"preprint-red\""),
+            optional(INTERFERENCE, "\"independent\""),
         ],
     },
     Section {
@@ -426,8 +463,8 @@ pub(super) const SECTIONS: &[Section] = &[
             field(
                 "spacing_diameters",
                 "yarn diameters",
-                Kind::Number(above(1.0, 100.0)),
-                "Distance of neighbouring yarns; round yarns of a plain weave jam at 1.73.",
+                Kind::Number(SPACING),
+                "Distance of neighbouring yarns, in mean diameters of warp and weft; a plain weave of equal round yarns jams at 1.73.",
             ),
             optional(
                 field(
@@ -542,14 +579,16 @@ pub(super) const SECTIONS: &[Section] = &[
                 Kind::Number(closed(0.001, 1.0)),
                 "Root mean square slope of the facets; of fibres the width of the distribution (Trowbridge-Reitz) of slopes along them.",
             ),
-            Field {
-                key: "roughness_across",
-                unit: "",
-                kind: Kind::Number(closed(0.001, 1.0)),
-                meaning: "The same across fibres, where surface is \"fibres\": height over width of their sections, 1 of round ones; 0.6 \
-                          where it is left out.",
-                example: Some("0.6"),
-            },
+            optional(
+                field(
+                    "roughness_across",
+                    "",
+                    Kind::Number(closed(0.001, 1.0)),
+                    "The same across fibres, where surface is \"fibres\": height over width of their sections, 1 of round ones; 0.6 \
+                     where it is left out.",
+                ),
+                "0.6",
+            ),
             field(
                 "distribution",
                 "",

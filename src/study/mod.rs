@@ -19,7 +19,7 @@ pub use sections::{
     Bounces, CentreLineChoice, CheckSection, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
     InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection, ShadeWith,
     SpectrumSection, SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeaveChoice, WeaveSection,
-    YarnSection,
+    WeftSection, YarnSection,
 };
 
 /// A study. The default is the built-in one.
@@ -30,6 +30,8 @@ pub struct Study {
     pub spectrum: SpectrumSection,
     pub medium: MediumSection,
     pub yarn: YarnSection,
+    #[serde(skip_serializing_if = "WeftSection::is_default")]
+    pub weft: WeftSection,
     pub trace: TraceSection,
     pub cloth: ClothSection,
     #[serde(skip_serializing_if = "WeaveSection::is_default")]
@@ -49,6 +51,7 @@ impl Default for Study {
             spectrum: Default::default(),
             medium: Default::default(),
             yarn: Default::default(),
+            weft: Default::default(),
             trace: Default::default(),
             cloth: Default::default(),
             weave: Default::default(),
@@ -80,12 +83,13 @@ impl Study {
         validate::study(self)
     }
 
-    /// Checks the values of the file at `path`, which `[medium] key` names in place of a number, against the range of the key.
+    /// Checks the values of the file at `path`, which a key of `[medium]` or `[weft]` names in place of a number, against the
+    /// range of the key.
     ///
     /// # Errors
     /// The first value out of range with its wavelength, key and file.
-    pub fn check_medium_table(key: &str, path: &str, values: &Samples) -> Result<(), StudyError> {
-        validate::table_of("medium", key, path, values)
+    pub fn check_medium_table(section: &str, key: &str, path: &str, values: &Samples) -> Result<(), StudyError> {
+        validate::table_of(section, key, path, values)
     }
 
     /// The whole study as TOML, defaults included, without comments.

@@ -120,6 +120,53 @@ impl Default for YarnSection {
     }
 }
 
+/// `[weft]`: in what the weft's yarn differs from the warp's, which `[medium]` and `[yarn]` describe.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WeftSection {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radius_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spacing_diameters: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub host_index: Option<NumberOrTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub host_mu_a_per_mm: Option<NumberOrTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub particle_index: Option<NumberOrTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub particle_diameter_nm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume_fraction: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kappa_peak: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dye: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interference: Option<InterferenceChoice>,
+}
+
+impl WeftSection {
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The weft's medium, beside a warp's.
+    pub fn medium(&self, warp: &MediumSection) -> MediumSection {
+        let of = |own: &Option<NumberOrTable>, warp: &NumberOrTable| own.as_ref().unwrap_or(warp).clone();
+        MediumSection {
+            host_index: of(&self.host_index, &warp.host_index),
+            host_mu_a_per_mm: of(&self.host_mu_a_per_mm, &warp.host_mu_a_per_mm),
+            particle_index: of(&self.particle_index, &warp.particle_index),
+            particle_diameter_nm: self.particle_diameter_nm.unwrap_or(warp.particle_diameter_nm),
+            volume_fraction: self.volume_fraction.unwrap_or(warp.volume_fraction),
+            kappa_peak: self.kappa_peak.unwrap_or(warp.kappa_peak),
+            dye: self.dye.as_ref().unwrap_or(&warp.dye).clone(),
+            interference: self.interference.unwrap_or(warp.interference),
+        }
+    }
+}
+
 /// `[trace]`: the Monte Carlo of the yarn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]

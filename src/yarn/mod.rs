@@ -83,6 +83,11 @@ impl Yarn {
 
     /// The medium's wavelengths in order, those that share paths together.
     pub fn sharing(&self) -> Result<Vec<Sharing<'_>>, YarnError> {
+        self.sharing_by(self.estimator_in_use())
+    }
+
+    /// The same, as if this estimator were in use. Wavelengths of a dispersive host that share paths go wrong ways.
+    pub fn sharing_by(&self, estimator: Estimator) -> Result<Vec<Sharing<'_>>, YarnError> {
         let coefficients: Vec<Coefficients<'_>> = (0..self.wavelengths())
             .map(|w| Coefficients {
                 mu_s: self.medium.mu_s_per_mm()[w],
@@ -90,7 +95,7 @@ impl Yarn {
                 phase: self.medium.phase(w),
             })
             .collect();
-        let together = match self.estimator_in_use() {
+        let together = match estimator {
             Estimator::Shared => coefficients.len(),
             Estimator::Independent => 1,
         };

@@ -1,0 +1,155 @@
+//! Cloth whose warp and weft are of different yarns.
+
+use specval::run::{Plan, Simulator, symmetries};
+use specval::study::{Bounces, MethodChoice, NumberOrTable, Study, WeftSection};
+use specval::transport::Estimate;
+
+const RED: &str = "
+[spectrum]
+wavelengths_nm = [450.0, 540.0, 640.0]
+[trace]
+batches = 8
+exit_azimuth_cells = 12
+exit_theta_cells = 4
+exit_phi_cells = 8
+tilts = 4
+paths_direct = 20000
+particles = 4000
+particles_volumetric = 24000
+[rig]
+incidences_deg = [0.0, 40.0]
+view_min_deg = -40.0
+view_max_deg = 40.0
+view_step_deg = 40.0
+pixels_per_side = 8
+";
+
+/// White yarns beside red ones: the particles of one system are dyed, or of both, or of none.
+fn cloth(warp_dyed: bool, weft_dyed: bool) -> Study {
+    let mut study = Study::from_toml(RED, "a study").unwrap();
+    let kappa = |dyed: bool| if dyed { 0.0065 } else { 0.0 };
+    study.medium.kappa_peak = kappa(warp_dyed);
+    study.weft.kappa_peak = Some(kappa(weft_dyed));
+    study
+}
+
+/// Diffuse β of each batch, [batch][geometry × wavelength].
+fn batches(study: Study) -> Vec<Vec<f64>> {
+    let plan = Plan::new(study).unwrap();
+    let simulator = Simulator::new(&plan, plan.geometries()).unwrap();
+    let count = plan.direct_effort.batches;
+    (0..count)
+        .map(|batch| simulator.batch(batch).unwrap().diffuse.concat())
+        .collect()
+}
+
+/// Camera rays do not know what the yarns are made of, and f* of a yarn does not know the other: two cloths with the media
+/// exchanged are together as bright as one of each alone, ray by ray.
+#[test]
+fn direct_light_adds_up_yarn_by_yarn() {
+    let [mixed, exchanged, white, red] =
+        [(false, true), (true, false), (false, false), (true, true)].map(|(warp, weft)| batches(cloth(warp, weft)));
+    let mut apart: f64 = 0.0;
+    for batch in 0..mixed.len() {
+        for g in 0..mixed[batch].len() {
+            let together = mixed[batch][g] + exchanged[batch][g];
+            let alone = white[batch][g] + red[batch][g];
+            assert!((together - alone).abs() < 1e-12 * alone, "{together} {alone}");
+            apart = apart.max((mixed[batch][g] / exchanged[batch][g] - 1.0).abs());
+        }
+    }
+    // In the plane of a yarn's axis its system does not shine as the other does.
+    assert!(apart > 0.02, "{apart}");
+}
+
+/// Turning the cloth by a right angle exchanges warp and weft of a plain weave. 9 geometries × wavelengths of 2 incidences, three
+/// ways to follow light: the largest of 54 |z| of 14 degrees of freedom exceeds 6 in less than 2e-3 of seeds.
+#[test]
+fn a_quarter_turn_exchanges_warp_and_weft() {
+    for (method, bounces) in [
+        (MethodChoice::RadianceFactor, Bounces::Most(0)),
+        (MethodChoice::RadianceFactor, Bounces::ALL),
+        (MethodChoice::Volumetric, Bounces::ALL),
+    ] {
+        let way = |mut study: Study| {
+            study.cloth.method = method;
+            study.cloth.bounces = bounces;
+            batches(study)
+        };
+        let here = way(cloth(false, true));
+        let mut turned = cloth(true, false);
+        turned.cloth.azimuth_deg = 90.0;
+        turned.seed = 2;
+        let turned = way(turned);
+        for g in 0..here[0].len() {
+            let of = |batches: &[Vec<f64>]| Estimate::from_batches(batches.iter().map(|batch| batch[g]));
+            let (a, b) = (of(&here), of(&turned));
+            let z = (a.value - b.value) / a.se.hypot(b.se);
+            assert!(z.abs() < 6.0, "{method:?} {bounces:?} {g}: {a:?} {b:?}");
+        }
+    }
+}
+
+/// The two ways to follow light from yarn to yarn agree on a cloth of two media as they do on one of one: at 640 nm, in the mean
+/// over the views, within the 10 % that f* costs there.
+#[test]
+fn both_methods_agree_on_white_and_red_yarns() {
+    let mean = |method, warp, weft| {
+        let mut study = cloth(warp, weft);
+        study.cloth.method = method;
+        study.cloth.bounces = Bounces::ALL;
+        let red = |batch: &Vec<f64>| batch.iter().skip(2).step_by(3).sum::<f64>() / 6.0;
+        Estimate::from_batches(batches(study).iter().map(red))
+    };
+    for (warp, weft) in [(true, false), (true, true)] {
+        let volumetric = mean(MethodChoice::Volumetric, warp, weft);
+        let by_factor = mean(MethodChoice::RadianceFactor, warp, weft);
+        let error = volumetric.se.hypot(by_factor.se);
+        let apart = (volumetric.value - by_factor.value).abs();
+        assert!(
+            apart < 0.1 * volumetric.value + 4.0 * error,
+            "{volumetric:?} {by_factor:?}"
+        );
+    }
+}
+
+#[test]
+fn a_weft_that_says_what_the_warp_is_is_the_warps() {
+    let mut study = Study::from_toml(RED, "a study").unwrap();
+    study.weft = WeftSection {
+        kappa_peak: Some(study.medium.kappa_peak),
+        host_index: Some(NumberOrTable::Number(1.557)),
+        radius_mm: Some(study.yarn.radius_mm),
+        ..WeftSection::default()
+    };
+    let plan = Plan::new(study).unwrap();
+    assert!(plan.weft.is_none());
+    let mut study = Study::from_toml(RED, "a study").unwrap();
+    study.weft.radius_mm = Some(0.12);
+    study.weft.spacing_diameters = Some(2.0);
+    let plan = Plan::new(study).unwrap();
+    assert!(plan.weft.is_some());
+    let spec = &plan.cloth_spec;
+    let rounded = [spec.weft_radius_mm, spec.warp_spacing_mm, spec.weft_spacing_mm].map(|mm| (mm * 1e6).round() / 1e6);
+    assert_eq!(rounded, [0.12, 0.486, 0.54]);
+    // The weft under the warp is not the warp under the weft.
+    let group = |same_media| symmetries(&Default::default(), same_media, true);
+    assert!(group(false).iter().all(|symmetry| !symmetry.swap) && group(true).iter().any(|symmetry| symmetry.swap));
+}
+
+/// A dispersive weft parts the wavelengths in the warp too.
+#[test]
+fn a_dispersive_weft_is_traced() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("index.csv");
+    std::fs::write(&table, "wavelength_nm,value\n400,1.57\n550,1.557\n700,1.55\n").unwrap();
+    let mut study = cloth(true, true);
+    study.weft.host_index = Some(NumberOrTable::Table(table.to_str().unwrap().to_owned()));
+    study.cloth.method = MethodChoice::Volumetric;
+    study.trace.particles_volumetric = 2400;
+    let plan = Plan::new(study).unwrap();
+    let simulator = Simulator::new(&plan, plan.geometries()).unwrap();
+    for ledger in simulator.batch(0).unwrap().cloth {
+        assert!(ledger.residual().abs() < 1e-12);
+    }
+}
