@@ -36,7 +36,9 @@ fn coarse() -> Cells {
 
 /// Independent repetitions of a measurement of `batches` batches each.
 fn repeated(plan: &Plan, cells: &Cells, group: &[Symmetry], back: bool, batches: usize, from: usize) -> Vec<FullBsdf> {
-    const REPETITIONS: usize = 12;
+    // Of so few random signs all agree, which no departure can exceed, in one trial of 2^15; of 12 it was in one of 2^11, too often for
+    // the false alarms asked for.
+    const REPETITIONS: usize = 16;
     let cloth = VolumetricCloth::new(plan, PARTICLES, true).unwrap();
     (from..from + REPETITIONS)
         .map(|k| {
@@ -104,12 +106,19 @@ fn bsdf_is_reciprocal() {
     assert!(joint.holds(FALSE_ALARMS), "{joint}");
 }
 
+/// Little but the gloss of twisted fibres, whose mirror image is another cloth.
+const TWISTED: &str =
+    "[medium]\nhost_mu_a_per_mm = 1e5\n[yarn]\ntwist_deg = 30\n[specular]\nsurface = \"fibres\"\nroughness = 0.1\n";
+
 /// What a weave's symmetry says is what one traces without it, from both sides.
 #[test]
 fn folding_changes_no_mean() {
-    for weave in ["plain", "twill-2-1"] {
-        let plan = plan(&format!("[cloth]\nweave = \"{weave}\"\n"));
-        let group = symmetries(&plan.cloth_spec, true, true);
+    for (weave, more) in [("plain", ""), ("twill-2-1", ""), ("plain", TWISTED)] {
+        let plan = plan(&format!("[cloth]\nweave = \"{weave}\"\n{more}"));
+        let mut group = symmetries(&plan.cloth_spec, true, true);
+        if !more.is_empty() {
+            group.retain(Symmetry::keeps_hand);
+        }
         let cells = Cells::Nodes(HemisphereNodes::new(2, 8).unwrap());
         let folded = repeated(&plan, &cells, &group, true, 1, 0);
         let whole = repeated(&plan, &cells, &group[..1], true, 1, 1000);

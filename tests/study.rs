@@ -24,6 +24,8 @@ fn the_commented_file_has_every_key() {
     let mut full = Study::default();
     full.spectrum.wavelengths_nm = Some(vec![500.0]);
     full.cloth.sinusoid_amplitude_mm = Some(0.1);
+    full.yarn.twist_deg = Some(20.0);
+    full.specular.roughness_across = Some(0.5);
     for (section, value) in toml::Table::try_from(&full).unwrap() {
         let keys = value
             .as_table()
@@ -44,10 +46,45 @@ fn the_commented_examples_may_be_uncommented() {
     let text = Study::commented_toml()
         .replace("# wavelengths_nm", "wavelengths_nm")
         .replace("# sinusoid_amplitude_mm", "sinusoid_amplitude_mm")
+        .replace("# twist_deg", "twist_deg")
+        .replace("# roughness_across", "roughness_across")
+        .replace("surface = \"cloth\"", "surface = \"fibres\"")
         .replace("centre_line = \"peirce\"", "centre_line = \"sinusoid\"");
     let study = Study::from_toml(&text, "study.toml").unwrap();
     assert_eq!(study.spectrum.wavelengths(), [450.0, 550.0, 650.0]);
     assert_eq!(study.cloth.sinusoid_amplitude_mm, Some(0.15));
+    assert_eq!(
+        (study.yarn.twist_deg, study.specular.roughness_across),
+        (Some(20.0), Some(0.6))
+    );
+}
+
+/// Keys that only fibres have are no silent part of another surface.
+#[test]
+fn fibres_keys_want_fibres() {
+    for key in ["[yarn]\ntwist_deg = 0", "[specular]\nroughness_across = 0.6"] {
+        let message = refused(key).to_string();
+        let words = ["line 2", "no value while [specular] surface is \"cloth\"", "\"fibres\""];
+        assert!(words.iter().all(|w| message.contains(w)), "{message}");
+    }
+    let message = refused("[specular]\nsurface = \"yarn\"\nroughness_across = 0.6\n").to_string();
+    assert!(message.contains("surface is \"yarn\""), "{message}");
+    for (text, range) in [
+        (
+            "[specular]\nsurface = \"fibres\"\n[yarn]\ntwist_deg = -91\n",
+            "-90 to 90 degrees",
+        ),
+        (
+            "[specular]\nsurface = \"fibres\"\nroughness_across = 1.1\n",
+            "0.001 to 1",
+        ),
+    ] {
+        let message = refused(text).to_string();
+        assert!(message.contains(range), "{message}");
+    }
+    let study = Study::from_toml("[specular]\nsurface = \"fibres\"\n[yarn]\ntwist_deg = -25\n", "t").unwrap();
+    assert!(Plan::new(study).unwrap().fibres.unwrap().is_handed());
+    assert!(Plan::new(Study::default()).unwrap().fibres.is_none());
 }
 
 /// Every choice that the file offers is one the types know.
@@ -69,7 +106,7 @@ fn every_offered_choice_is_accepted() {
             }
         }
     }
-    assert_eq!(tried, 32);
+    assert_eq!(tried, 33);
 }
 
 #[test]

@@ -27,6 +27,8 @@ view_step_deg = 40.0
 pixels_per_side = 8
 ";
 
+const FIBRES: &str = "[yarn]\ntwist_deg = 20\n[specular]\nsurface = \"fibres\"\nroughness = 0.2\n";
+
 fn measure(folder: &Path, name: &str, more: &str, arguments: &[&str]) -> Output {
     fs::write(folder.join(format!("{name}.toml")), format!("{SMALL}{more}")).unwrap();
     let (study, out) = (format!("{name}.toml"), format!("{name}.csv"));
@@ -67,6 +69,7 @@ fn methods_bounces_and_backings() {
             "[cloth]\nmethod = \"volumetric\"\n[specular]\nsurface = \"yarn\"\n",
             &["--threads", "1"],
         ),
+        ("fibres", FIBRES, &[]),
     ];
     for (name, more, arguments) in studies {
         let output = measure(here, name, more, arguments);
@@ -86,6 +89,8 @@ fn methods_bounces_and_backings() {
     // Each adds light: other yarns to the direct, a white plane to those. Noise is far smaller.
     let [direct, all, white] = ["direct", "all", "white"].map(|name| red(here, name));
     assert!(direct < all && all < white, "{direct} {all} {white}");
+    // And so do fibres, with no light from other yarns.
+    assert!(direct < red(here, "fibres"));
     let before = fs::read(here.join("yarn.csv")).unwrap();
     measure(
         here,
@@ -108,6 +113,7 @@ fn what_cannot_be_is_refused() {
         ("[cloth]\nbacking = \"mirror\"\n", &[][..], "cloth.backing"),
         ("[cloth]\nbacking = \"shining.csv\"\n", &[], "cloth.backing"),
         ("[cloth]\nbounces = \"some\"\n", &[], "cloth.bounces"),
+        ("[yarn]\ntwist_deg = 20\n", &[], "yarn.twist_deg"),
         ("[cloth]\nbounces = -1\n", &[], "cloth.bounces"),
         ("[cloth]\nwarp_flattening = 9.0\n", &[], "cloth.warp_flattening"),
         (

@@ -6,9 +6,10 @@ use specval::cloth::{ClothSpec, Tubes};
 use specval::geometry::Vec3;
 use specval::optics::{Interference, Medium, MediumSpec};
 use specval::rig::{omega_in, omega_out};
+use specval::shading::FibreGloss;
 use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::transport::{Cylinder, Estimate, Roulette};
-use specval::woven::{Beam, Bounces, Onlookers, Places, Sight, ViewCones};
+use specval::woven::{Beam, Bounces, Onlookers, Places, Sight, ViewCones, YarnSurface};
 use specval::yarn::{DirectTracer, Effort, Estimator, RadianceFactorGrid, SurfaceGrid, Yarn, YarnScatter};
 
 const BATCHES: usize = 24;
@@ -39,7 +40,7 @@ struct Case {
     spec: ClothSpec,
     yarn: Yarn,
     backing: Option<[f64; 2]>,
-    surface_reflection: bool,
+    surface: YarnSurface,
 }
 
 /// β of each batch, [batch][view × wavelength]: of all light in the cones, and of what views see but for what the first yarn
@@ -55,7 +56,7 @@ fn brightness(case: &Case, most: usize) -> [Vec<Vec<f64>>; 2] {
         yarns: [&case.yarn; 2],
         scatter: [&scatter; 2],
         backing: case.backing.as_ref().map(|b| &b[..]),
-        surface_reflection: case.surface_reflection,
+        surface: case.surface,
         most,
         seed: 1,
     };
@@ -110,8 +111,8 @@ fn less(all: &[Vec<f64>], part: &[Vec<f64>]) -> Vec<Vec<f64>> {
     all.iter().zip(part).map(each).collect()
 }
 
-/// Light that has been to two yarns or more: what goes to a second yarn adds to what is seen. White yarns, round and alone; flat ones
-/// that shine on a grey backing.
+/// Light that has been to two yarns or more: what goes to a second yarn adds to what is seen. White yarns, round and alone; those of
+/// fibres; flat ones that shine on a grey backing.
 #[test]
 fn views_see_what_cones_catch_of_light_between_yarns() {
     let flat = ClothSpec {
@@ -121,15 +122,17 @@ fn views_see_what_cones_catch_of_light_between_yarns() {
         weft_spacing_mm: 0.66,
         ..ClothSpec::default()
     };
-    for (name, spec, backing, surface_reflection) in [
-        ("round", ClothSpec::default(), None, false),
-        ("flat", flat, Some([0.3, 0.9]), true),
+    let fibres = YarnSurface::Fibres(FibreGloss::new(0.3, 0.3, 0.6).unwrap());
+    for (name, spec, backing, surface) in [
+        ("round", ClothSpec::default(), None, YarnSurface::Lost),
+        ("fibres", ClothSpec::default(), None, fibres),
+        ("flat", flat, Some([0.3, 0.9]), YarnSurface::Smooth),
     ] {
         let case = Case {
             spec,
             yarn: yarn(0.3),
             backing,
-            surface_reflection,
+            surface,
         };
         let [cones, views] = brightness(&case, usize::MAX);
         let [cones_first, views_first] = brightness(&case, 0);
@@ -144,7 +147,7 @@ fn views_see_what_cones_catch_of_gloss_and_backing() {
         spec: ClothSpec::default(),
         yarn: yarn(2000.0),
         backing: Some([0.4, 1.0]),
-        surface_reflection: true,
+        surface: YarnSurface::Smooth,
     };
     let [cones, views] = brightness(&case, usize::MAX);
     compare("black", &cones, &views);

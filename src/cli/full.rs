@@ -8,7 +8,8 @@ use specval::formats::{
 };
 use specval::report::{InputDigest, check_writable, write_whole};
 use specval::run::{
-    Cells, Colours, FactorCloth, FullBsdf, FullMeasurement, HemisphericalRow, Plan, VolumetricCloth, symmetries,
+    Cells, Colours, FactorCloth, FullBsdf, FullMeasurement, HemisphericalRow, Plan, Symmetry, VolumetricCloth,
+    symmetries,
 };
 use specval::study::{MethodChoice, Study};
 use specval::woven::HemisphereNodes;
@@ -149,6 +150,9 @@ pub fn run(
     let batches = plan.direct_effort.batches;
     let particles = options.paths.map_or(PATHS, u64::from).div_ceil(batches as u64) as usize;
     let mut group = symmetries(&plan.cloth_spec, plan.weft.is_none(), true);
+    if plan.fibres.is_some_and(|gloss| gloss.is_handed()) {
+        group.retain(Symmetry::keeps_hand);
+    }
     if full.no_fold {
         group.truncate(1);
     }

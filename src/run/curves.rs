@@ -3,7 +3,6 @@ use crate::colour::ColourSystem;
 use crate::compare::{Channels, Geometry};
 use crate::geometry::Vec3;
 use crate::rig::{omega_in, omega_out};
-use crate::study::SurfaceChoice;
 use crate::transport::Estimate;
 
 /// The cloth's brightness factors, as the virtual rig measures them.
@@ -74,7 +73,7 @@ pub(crate) fn directions(plan: &Plan, geometry: Geometry) -> (Vec3, Vec3) {
 
 /// β of the gloss about the cloth's normal; none where the yarns shine by themselves.
 pub(super) fn gloss(plan: &Plan, geometry: Geometry) -> f64 {
-    if plan.study.specular.surface == SurfaceChoice::Yarn {
+    if plan.study.specular.surface.is_of_yarns() {
         return 0.0;
     }
     let (omega_in, omega_out) = directions(plan, geometry);

@@ -4,7 +4,6 @@ use crate::compare::Geometry;
 use crate::geometry::Vec3;
 use crate::rig::{omega_in, omega_out};
 use crate::spectrum::Samples;
-use crate::study::SurfaceChoice;
 use crate::woven::{Beam, Bounces, ClothBatch, ClothLedger, Detector, Onlookers, Places, Sight, ViewCones, Volumetric};
 use crate::yarn::{DirectTracer, Estimator, Sharing, YarnScatter};
 use rayon::prelude::*;
@@ -62,7 +61,8 @@ pub struct VolumetricCloth<'a> {
 }
 
 impl<'a> VolumetricCloth<'a> {
-    /// `particles` in a batch; whether light that the yarns' surface reflects on its way in goes on.
+    /// `particles` in a batch; whether light that the yarns' surface reflects on its way in goes on, spread by the study's fibres if
+    /// it has any.
     pub fn new(plan: &'a Plan, particles: usize, surface_reflection: bool) -> Result<Self, RunError> {
         // Paths go through both media, so one that parts the wavelengths parts them in both.
         let shared = plan
@@ -109,7 +109,7 @@ impl<'a> VolumetricCloth<'a> {
                     .backing
                     .map(|values| &values[first..first + warp.interior.wavelengths()]),
                 roulette: self.plan.yarn.roulette,
-                surface_reflection: self.surface_reflection,
+                surface: self.plan.surface(self.surface_reflection),
                 seed: self.plan.study.seed,
             };
             let part = light.batch(beam, detector, first, batch, self.particles);
@@ -190,7 +190,7 @@ impl<'a> FactorCloth<'a> {
             yarns: self.plan.yarns(),
             scatter: [warp, weft],
             backing: None,
-            surface_reflection: self.surface_reflection,
+            surface: self.plan.surface(self.surface_reflection),
             most: usize::MAX,
             seed: self.plan.study.seed,
         };
@@ -249,7 +249,7 @@ impl<'a> LightBetween<'a> {
             yarns: plan.yarns(),
             scatter: [warp, weft],
             backing: plan.backing.as_ref().map(Samples::values),
-            surface_reflection: plan.study.specular.surface == SurfaceChoice::Yarn,
+            surface: plan.surface(plan.study.specular.surface.is_of_yarns()),
             most: self.most,
             seed: plan.study.seed,
         };

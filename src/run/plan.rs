@@ -9,14 +9,15 @@ use crate::report::{InputDigest, ReportError};
 use crate::rig::{PixelSamples, Rig, RigError};
 use crate::run::ShardError;
 use crate::sample::{Sample, SampleError};
-use crate::shading::{Distribution, ShadingError, Specular};
+use crate::shading::{Distribution, FibreGloss, ShadingError, Specular};
 use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_spectrum, tables};
 use crate::study::{
-    CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable, Study,
-    StudyError, TraceSection, WeaveChoice,
+    CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable,
+    SpecularSection, Study, StudyError, SurfaceChoice, TraceSection, WeaveChoice,
 };
 use crate::transport::{Cylinder, Roulette};
 use crate::weave::WeaveDraft;
+use crate::woven::YarnSurface;
 use crate::yarn::{BssrdfGrid, Effort, Estimator, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn, YarnError};
 use std::path::{Path, PathBuf};
 
@@ -108,6 +109,8 @@ pub struct Plan {
     pub backing: Option<Samples>,
     pub cloth: Cloth,
     pub specular: Specular,
+    /// Gloss of the yarns' fibres, where they are what shines.
+    pub fibres: Option<FibreGloss>,
     pub rig: Rig,
     pub pixels: PixelSamples,
     pub colour: ColourSystem,
@@ -158,6 +161,7 @@ impl Plan {
                 specular.index,
                 specular.weight,
             )?,
+            fibres: fibres(&study)?,
             rig: Rig::new(study.rig.incidences_deg.clone(), study.rig.views_deg())?,
             pixels: PixelSamples::new(pixels, pixels)?,
             colour: ColourSystem::new(&grid, convention)?,
@@ -183,6 +187,15 @@ impl Plan {
             MediumSpectra::read("medium", medium, &self.grid)?,
             &self.grid,
         )
+    }
+
+    /// What becomes of light that the yarns reflect, if it goes on: a mirror sends it on but for a study of fibres.
+    pub(super) fn surface(&self, goes_on: bool) -> YarnSurface {
+        match self.fibres {
+            _ if !goes_on => YarnSurface::Lost,
+            Some(gloss) => YarnSurface::Fibres(gloss),
+            None => YarnSurface::Smooth,
+        }
     }
 
     /// Of warp and weft.
@@ -463,6 +476,19 @@ fn backing(of: &str, grid: &WavelengthGrid, inputs: &mut Vec<InputDigest>) -> Re
         &le_bytes(reflectance.values()),
     ));
     Ok(Some(reflectance))
+}
+
+fn fibres(study: &Study) -> Result<Option<FibreGloss>, ShadingError> {
+    let specular = &study.specular;
+    if specular.surface != SurfaceChoice::Fibres {
+        return Ok(None);
+    }
+    FibreGloss::new(
+        study.yarn.twist_deg.unwrap_or(0.0).to_radians(),
+        specular.roughness,
+        specular.roughness_across.unwrap_or(SpecularSection::ROUGHNESS_ACROSS),
+    )
+    .map(Some)
 }
 
 fn cloth_spec(study: &Study, weave: Weave) -> ClothSpec {

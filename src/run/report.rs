@@ -8,7 +8,7 @@ use crate::compare::{
 use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
 use crate::shading::Classical;
-use crate::study::{MediumSection, MethodChoice, NumberOrTable, SurfaceChoice};
+use crate::study::{MediumSection, MethodChoice, NumberOrTable};
 use crate::yarn::{DirectTracer, Effort};
 
 /// Least effort of a point of the sweep: batches, and the share of the study's paths.
@@ -72,7 +72,7 @@ pub fn report(
                 .into(),
         );
     }
-    if plan.study.specular.surface == SurfaceChoice::Yarn {
+    if plan.study.specular.surface.is_of_yarns() {
         fallbacks.push(
             "the yarns shine by themselves: the model has no gloss about the cloth's normal, the classical shading has"
                 .into(),

@@ -5,7 +5,7 @@ use super::{
 };
 use crate::compare::Geometry;
 use crate::report::{AskedEffort, EffortNote, EnergyRow, PathsPerBatch, ReachedPrecision};
-use crate::study::{MethodChoice, ShadeWith, SurfaceChoice};
+use crate::study::{MethodChoice, ShadeWith};
 use crate::transport::{Ledger, LedgerEntry};
 use crate::woven::ClothLedger;
 use crate::yarn::{DirectTracer, EnergyTracer, IncidentGrid, PatchTracer, Yarn};
@@ -64,7 +64,7 @@ impl<'a> Simulator<'a> {
         let batches = u64::from(plan.study.trace.batches);
         let of_batch = |particles: u64| particles.div_ceil(batches) as usize;
         let most = plan.study.cloth.bounces.most();
-        let shines = plan.study.specular.surface == SurfaceChoice::Yarn;
+        let shines = plan.study.specular.surface.is_of_yarns();
         let goes_on = most > 0
             || shines
             || plan

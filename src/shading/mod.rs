@@ -1,12 +1,14 @@
 //! Shading about the normal of a flat cloth, as renderers do it: Cook–Torrance, and its sum with Lambert, the classical
-//! model that a physical one has to beat.
+//! model that a physical one has to beat. And the gloss of a yarn of fibres about its own surface.
 //!
-//! Directions are unit vectors from the surface in the cloth's coordinates, the normal is +z.
+//! Directions are unit vectors from the surface, the normal is +z: in the cloth's coordinates, of fibres in the yarn's.
 
 mod classical;
+mod fibre_gloss;
 mod specular;
 
 pub use classical::Classical;
+pub use fibre_gloss::FibreGloss;
 pub use specular::{Distribution, Specular};
 
 use std::f64::consts::PI;
@@ -38,6 +40,8 @@ impl BrightnessFactor {
 pub enum ShadingError {
     #[error("specular roughness: expected 0.001 to 1 (slope of the facets, no unit), found {found}")]
     Roughness { found: f64 },
+    #[error("twist of the fibres: expected -π/2 to π/2 radians from the yarn's axis, found {found_rad}")]
+    Twist { found_rad: f64 },
     #[error("specular index: expected a refractive index of at least 1, found {found}")]
     Index { found: f64 },
     #[error("specular weight: expected a fraction from 0 to 1, found {found}")]

@@ -280,7 +280,19 @@ pub(super) const SECTIONS: &[Section] = &[
     Section {
         name: "yarn",
         meaning: "An infinite circular cylinder.",
-        fields: &[RADIUS_MM],
+        fields: &[
+            RADIUS_MM,
+            optional(
+                field(
+                    "twist_deg",
+                    "degrees",
+                    Kind::Number(closed(-90.0, 90.0)),
+                    "Angle of the fibres to the axis of warps and wefts, where [specular] surface is \"fibres\": positive Z twist, \
+                     negative S twist; 0, along the axis, where it is left out.",
+                ),
+                "20.0",
+            ),
+        ],
     },
     Section {
         name: "weft",
@@ -557,15 +569,25 @@ pub(super) const SECTIONS: &[Section] = &[
             field(
                 "surface",
                 "",
-                Kind::Choice(&["cloth", "yarn"]),
-                "What shines: the cloth about its normal (Cook-Torrance), or the smooth surface of each yarn (Fresnel), whose light goes \
-                 on to other yarns; classical shading is about the cloth's normal in any case.",
+                Kind::Choice(&["cloth", "yarn", "fibres"]),
+                "What shines: the cloth about its normal (Cook-Torrance); or the surface of each yarn (Fresnel), smooth or of fibres \
+                 that spread the light, which goes on to other yarns; classical shading is about the cloth's normal in any case.",
             ),
             field(
                 "roughness",
                 "",
                 Kind::Number(closed(0.001, 1.0)),
-                "Root mean square slope of the facets.",
+                "Root mean square slope of the facets; of fibres the width of the distribution (Trowbridge-Reitz) of slopes along them.",
+            ),
+            optional(
+                field(
+                    "roughness_across",
+                    "",
+                    Kind::Number(closed(0.001, 1.0)),
+                    "The same across fibres, where surface is \"fibres\": height over width of their sections, 1 of round ones; 0.6 \
+                     where it is left out.",
+                ),
+                "0.6",
             ),
             field(
                 "distribution",

@@ -106,11 +106,17 @@ pub enum InterferenceChoice {
 #[serde(deny_unknown_fields, default)]
 pub struct YarnSection {
     pub radius_mm: f64,
+    /// Angle of the fibres to the yarn's axis; 0 where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub twist_deg: Option<f64>,
 }
 
 impl Default for YarnSection {
     fn default() -> Self {
-        Self { radius_mm: 0.15 }
+        Self {
+            radius_mm: 0.15,
+            twist_deg: None,
+        }
     }
 }
 
@@ -356,6 +362,14 @@ pub struct SpecularSection {
     pub index: f64,
     pub weight: f64,
     pub surface: SurfaceChoice,
+    /// [`SpecularSection::ROUGHNESS_ACROSS`] where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roughness_across: Option<f64>,
+}
+
+impl SpecularSection {
+    /// Of fibres 0.6 times as high as wide that lie flat, as those of cotton do; round ones have 1.
+    pub const ROUGHNESS_ACROSS: f64 = 0.6;
 }
 
 /// What shines.
@@ -366,6 +380,15 @@ pub enum SurfaceChoice {
     Cloth,
     /// The smooth surface of each yarn.
     Yarn,
+    /// The fibres in the surface of each yarn.
+    Fibres,
+}
+
+impl SurfaceChoice {
+    /// Whether the yarns shine by themselves.
+    pub fn is_of_yarns(self) -> bool {
+        self != Self::Cloth
+    }
 }
 
 impl Default for SpecularSection {
@@ -376,6 +399,7 @@ impl Default for SpecularSection {
             distribution: DistributionChoice::Beckmann,
             index: 1.557,
             weight: 0.25,
+            roughness_across: None,
         }
     }
 }

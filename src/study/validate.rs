@@ -1,7 +1,7 @@
 use toml::Value;
 
 use super::fields::{self, Field, Kind, SECTIONS};
-use super::{CentreLineChoice, RigSection, SpectrumSection, Study, StudyError, TraceSection};
+use super::{CentreLineChoice, RigSection, SpectrumSection, Study, StudyError, SurfaceChoice, TraceSection};
 use crate::spectrum::Samples;
 
 /// Most wavelengths or views a study may ask for.
@@ -42,6 +42,29 @@ pub(super) fn study(study: &Study) -> Result<(), StudyError> {
             format!("{amplitude} mm"),
             "leave the amplitude out, or set centre_line = \"sinusoid\"",
         ));
+    }
+    fibres(study)
+}
+
+/// Keys of fibres mean nothing on any other surface.
+fn fibres(study: &Study) -> Result<(), StudyError> {
+    let surface = match study.specular.surface {
+        SurfaceChoice::Fibres => return Ok(()),
+        SurfaceChoice::Cloth => "cloth",
+        SurfaceChoice::Yarn => "yarn",
+    };
+    for (key, found) in [
+        ("yarn.twist_deg", study.yarn.twist_deg),
+        ("specular.roughness_across", study.specular.roughness_across),
+    ] {
+        if let Some(found) = found {
+            return Err(value(
+                key,
+                format!("no value while [specular] surface is \"{surface}\""),
+                found.to_string(),
+                "leave it out, or set surface = \"fibres\"",
+            ));
+        }
     }
     Ok(())
 }

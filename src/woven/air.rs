@@ -1,4 +1,4 @@
-use super::{Beam, ClothBatch, ClothLedger, Detector};
+use super::{Beam, ClothBatch, ClothLedger, Detector, YarnSurface};
 use crate::cloth::{System, TubeHit, Tubes};
 use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
@@ -12,28 +12,67 @@ pub(super) struct Arrival {
     pub past: Past,
 }
 
+impl Arrival {
+    /// Cosine of the angle of incidence.
+    pub fn cos_in(&self) -> f64 {
+        self.hit.frame.normal.dot(&self.omega_in).clamp(0.0, 1.0)
+    }
+}
+
 /// What light has been through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Past {
     /// Yarns it has met.
     pub yarns: usize,
-    /// Whether particles of a medium or the backing scattered it: if not, surfaces alone have turned it.
-    pub scattered: bool,
+    pub spread: Spread,
+}
+
+/// What last gave light a direction that had a density.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Spread {
+    /// Nothing: smooth surfaces alone have turned it.
+    Never,
+    /// Particles of a medium, or the backing.
+    Scattered,
+    /// The fibres of a yarn's surface, and nothing has turned it since.
+    ByFibres,
+    /// Fibres, and surfaces since.
+    ByFibresBefore,
 }
 
 impl Past {
     pub const NONE: Self = Self {
         yarns: 0,
-        scattered: false,
+        spread: Spread::Never,
     };
 
-    /// After one more yarn.
-    pub fn through_yarn(self, scattered: bool) -> Self {
+    /// After one more yarn, through whose surfaces alone it went on.
+    pub fn through_yarn(self) -> Self {
+        let spread = match self.spread {
+            Spread::ByFibres => Spread::ByFibresBefore,
+            spread => spread,
+        };
         Self {
             yarns: self.yarns + 1,
-            scattered: self.scattered || scattered,
+            spread,
         }
     }
+
+    /// After one more yarn that spread it.
+    pub fn spread_by_yarn(self, spread: Spread) -> Self {
+        Self {
+            yarns: self.yarns + 1,
+            spread,
+        }
+    }
+}
+
+/// Which light the detector is to catch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Caught {
+    All,
+    /// What fibres have spread and surfaces turned since: all else is shown to views, or is followed as rays.
+    TurnedAfterFibres,
 }
 
 /// Particles that wait at the yarns of one system, and what each carries at every wavelength.
@@ -70,6 +109,7 @@ pub(super) struct Air<'a, D, R> {
     landed: Landed,
     /// Sums over particles, by wavelength, in the order of [`ClothLedger::fractions`].
     sums: Vec<[f64; ClothLedger::FRACTIONS]>,
+    catching: Caught,
     caught: Vec<Vec<f64>>,
     light_above: bool,
 }
@@ -81,7 +121,14 @@ const ABSORBED: usize = 3;
 const GAMES: usize = 4;
 
 impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
-    pub fn new(tubes: &'a Tubes, backing: Option<&'a [f64]>, detector: &'a D, rng: R, wavelengths: usize) -> Self {
+    pub fn new(
+        tubes: &'a Tubes,
+        backing: Option<&'a [f64]>,
+        detector: &'a D,
+        catching: Caught,
+        rng: R,
+        wavelengths: usize,
+    ) -> Self {
         Self {
             tubes,
             backing,
@@ -91,6 +138,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             queues: Default::default(),
             landed: Landed::default(),
             sums: vec![[0.0; ClothLedger::FRACTIONS]; wavelengths],
+            catching,
             caught: vec![vec![0.0; wavelengths]; detector.bins()],
             light_above: true,
         }
@@ -145,7 +193,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             if self.backing.is_some() && (direction.z > 0.0) != self.light_above {
                 self.land(origin, direction, weights.iter().copied(), past);
             } else {
-                self.escape(&direction, weights);
+                self.escape(&direction, weights, past);
             }
             return;
         };
@@ -169,6 +217,24 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
                 past,
             };
             self.queue(arrival, weights.iter().map(|weight| (worth * weight) as f32));
+        }
+    }
+
+    /// Sends on what the surface of a yarn reflects, `weights`, of light that met it.
+    pub fn reflect(&mut self, surface: &YarnSurface, arrival: &Arrival, weights: &[f64]) {
+        let Arrival { hit, omega_in, past } = arrival;
+        match surface {
+            YarnSurface::Lost => self.keep(weights.iter().map(|weight| [*weight, 0.0])),
+            YarnSurface::Smooth => {
+                let direction = hit.frame.normal * (2.0 * arrival.cos_in()) - omega_in;
+                self.launch(hit.position, direction, weights, past.through_yarn());
+            }
+            YarnSurface::Fibres(gloss) => {
+                let numbers = [self.rng.random(), self.rng.random()];
+                let local = gloss.draw(&hit.frame.to_local(omega_in), numbers);
+                let past = past.spread_by_yarn(Spread::ByFibres);
+                self.launch(hit.position, hit.frame.to_world(&local), weights, past);
+            }
         }
     }
 
@@ -198,7 +264,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         let sin = sin2.sqrt();
         let diffuse = Vec3::new(sin * around.cos(), sin * around.sin(), up * (1.0 - sin2).sqrt());
         let past = Past {
-            scattered: true,
+            spread: Spread::Scattered,
             ..landing.past
         };
         self.launch(landing.position, diffuse, weights, past);
@@ -210,7 +276,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         queue.weights.extend(weights);
     }
 
-    fn escape(&mut self, direction: &Vec3, weights: &[f64]) {
+    fn escape(&mut self, direction: &Vec3, weights: &[f64], past: Past) {
         let side = if (direction.z > 0.0) == self.light_above {
             REFLECTED
         } else {
@@ -218,6 +284,9 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         };
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
             sums[side] += weight;
+        }
+        if self.catching == Caught::TurnedAfterFibres && past.spread != Spread::ByFibresBefore {
+            return;
         }
         let caught = &mut self.caught;
         self.detector.find(direction, |bin, share| {

@@ -1,10 +1,12 @@
-use super::air::{Air, Arrival, Landing, Past};
-use super::passage::{Passage, Skin, mirrored};
+use super::air::{Air, Arrival, Caught, Landing, Past, Spread};
+use super::passage::{Passage, Skin};
 use super::sights::{Places, Seen, Sight};
 use super::straight::Straight;
-use super::{Beam, ClothBatch, ClothLedger, Detector, ViewCones};
+use super::{Beam, ClothBatch, ClothLedger, Detector, ViewCones, YarnSurface};
 use crate::cloth::{System, Tubes};
 use crate::geometry::Vec3;
+use crate::optics::fresnel::Interface;
+use crate::shading::FibreGloss;
 use crate::transport::{Purpose, Stream};
 use crate::yarn::{Yarn, YarnScatter, kept_by_straight_yarn};
 use rand::RngExt;
@@ -24,8 +26,8 @@ pub struct Bounces<'a> {
     pub scatter: [&'a YarnScatter; 2],
     /// Reflectance, at each wavelength, of a rough plane under the cloth.
     pub backing: Option<&'a [f64]>,
-    /// Whether light that the yarns' smooth surface reflects goes on. If not, it counts as absorbed.
-    pub surface_reflection: bool,
+    /// What becomes of light that the outer surface of a yarn reflects.
+    pub surface: YarnSurface,
     /// Yarns that light may go on to after the first it met; what would go on further counts as absorbed.
     pub most: usize,
     pub seed: u64,
@@ -43,8 +45,12 @@ pub struct Onlookers<'a> {
 /// What of the particles' light goes to one view.
 struct Flux<'a> {
     sight: &'a Sight,
+    /// Unit vector.
+    towards: Vec3,
     /// Radiance at each wavelength, summed over particles and rays, in 1/(mm² sr).
     sum: Vec<f64>,
+    /// Flux per steradian that fibres reflect, summed over particles.
+    gloss: Vec<f64>,
 }
 
 /// Rays of light that surfaces alone turn for one particle: they cost a tenth, and few of them are caught.
@@ -65,8 +71,8 @@ impl Bounces<'_> {
 
     /// What views see of light that the first yarn it met has not scattered, or not that yarn alone, and of what it
     /// scatters beyond a straight one: the brightness factor at [view][wavelength]; and the ledger of all light. Light that was
-    /// scattered is worked out where a view's camera rays end; what surfaces alone have turned has no density in direction, and
-    /// is caught in the cones.
+    /// scattered is worked out where a view's camera rays end, what fibres reflect where they do; what smooth surfaces turn last has no
+    /// density in direction, and is caught in the cones.
     pub fn between(
         &self,
         beam: &Beam,
@@ -75,32 +81,30 @@ impl Bounces<'_> {
         particles: usize,
     ) -> (Vec<Vec<f64>>, Vec<ClothLedger>) {
         let Onlookers { places, sights, cones } = onlookers;
-        let mut views: Vec<Flux> = sights
-            .iter()
-            .map(|sight| Flux {
+        let mut views: Vec<Flux> = (sights.iter().zip(cones.views()))
+            .map(|(sight, view)| Flux {
                 sight,
+                towards: *view,
                 sum: vec![0.0; self.wavelengths()],
+                gloss: vec![0.0; self.wavelengths()],
             })
             .collect();
         let watched = Some((*places, &mut views[..]));
-        let ClothBatch { ledger, .. } = self.trace(beam, &Nothing, watched, batch, particles);
-        let caught = Straight::new(self).caught(beam, *cones, batch, STRAIGHT * particles);
+        let ClothBatch { ledger, caught } = self.trace(beam, *cones, watched, batch, particles);
+        let straight = Straight::new(self).caught(beam, *cones, batch, STRAIGHT * particles);
         let cell_mm2 = self.tubes.cell_mm().iter().product::<f64>();
-        let of_view = |(k, (Flux { sight, sum }, caught)): (usize, (Flux, Vec<f64>))| {
-            let per_flux = PI * cell_mm2 / (sight.rays * particles) as f64;
-            let per_caught = if std::env::var("NOC").is_ok() {
-                0.0
-            } else {
-                PI / cones.projected_solid_angle(k)
-            };
-            let bare = self.bare_backing(beam, places, sight);
-            sum.iter()
-                .zip(caught)
-                .zip(bare)
-                .map(|((sum, caught), bare)| sum * per_flux + caught * per_caught + bare)
-                .collect()
+        let of_view = |(k, view): (usize, Flux)| -> Vec<f64> {
+            let per_radiance = PI * cell_mm2 / (view.sight.rays * particles) as f64;
+            let per_gloss = PI / (view.towards.z.abs() * particles as f64);
+            let per_caught = PI / cones.projected_solid_angle(k);
+            let mut beta = self.bare_backing(beam, places, view.sight);
+            for (w, beta) in beta.iter_mut().enumerate() {
+                *beta += view.sum[w] * per_radiance + view.gloss[w] * per_gloss;
+                *beta += (caught[k][w] + straight[k][w]) * per_caught;
+            }
+            beta
         };
-        (views.into_iter().zip(caught).enumerate().map(of_view).collect(), ledger)
+        (views.into_iter().enumerate().map(of_view).collect(), ledger)
     }
 
     /// Brightness factor of the backing where beam and view reach it past the yarns.
@@ -124,7 +128,11 @@ impl Bounces<'_> {
     ) -> ClothBatch {
         let stream = |number| Stream::open(self.seed, Purpose::Bounces, beam.number, batch, number);
         let wavelengths = self.wavelengths();
-        let mut air = Air::new(self.tubes, self.backing, detector, stream(0), wavelengths);
+        let catching = match views {
+            Some(_) => Caught::TurnedAfterFibres,
+            None => Caught::All,
+        };
+        let mut air = Air::new(self.tubes, self.backing, detector, catching, stream(0), wavelengths);
         let mut rng = stream(1);
         let mut parts = Parts::new(wavelengths);
         let skins = self.skins();
@@ -138,7 +146,12 @@ impl Bounces<'_> {
                         air.keep(weights.iter().map(|w| [f64::from(*w), 0.0]));
                         continue;
                     }
-                    self.cross((yarn, skin), arrival, weights, &mut parts, &mut air, &mut rng);
+                    let entry = parts.enter(skin, arrival, weights);
+                    if let (YarnSurface::Fibres(gloss), Some((_, views))) = (&self.surface, &mut views) {
+                        self.show_gloss(gloss, arrival, &parts.out, views);
+                    }
+                    air.reflect(&self.surface, arrival, &parts.out);
+                    self.cross((yarn, skin), arrival, &entry, &mut parts, &mut air, &mut rng);
                     if let Some((places, views)) = &mut views {
                         if arrival.past == Past::NONE {
                             straight_yarn(yarn, skin, arrival, weights, &mut parts.out);
@@ -162,33 +175,22 @@ impl Bounces<'_> {
         air.batch(particles)
     }
 
-    /// Sends on what the surface reflects and what crosses the yarn; leaves in `parts.inside` what does neither.
+    /// Sends on what crosses the yarn of the light inside; leaves in `parts.inside` what does not.
     pub(super) fn cross<D: Detector>(
         &self,
         (yarn, skin): (&Yarn, &Skin),
         arrival: &Arrival,
-        weights: &[f32],
+        entry: &Interface,
         parts: &mut Parts,
         air: &mut Air<'_, D, Xoshiro256PlusPlus>,
         rng: &mut Xoshiro256PlusPlus,
     ) {
         let (hit, direction) = (&arrival.hit, -arrival.omega_in);
-        let past = arrival.past.through_yarn(false);
-        let outside = skin.outside(hit, &direction);
-        for ((inside, out), weight) in parts.inside.iter_mut().zip(&mut parts.out).zip(weights) {
-            *out = outside.reflectance * f64::from(*weight);
-            *inside = f64::from(*weight) - *out;
-        }
-        if self.surface_reflection {
-            air.launch(hit.position, mirrored(hit, &direction), &parts.out, past);
-        } else {
-            air.keep(parts.out.iter().map(|out| [*out, 0.0]));
-        }
         let Some(Passage {
             position,
             direction,
             length_mm,
-        }) = skin.passage(self.tubes, hit, &direction, &outside, rng)
+        }) = skin.passage(self.tubes, hit, &direction, entry, rng)
         else {
             return;
         };
@@ -202,7 +204,21 @@ impl Bounces<'_> {
             *out = *inside * (-extinction * length_mm).exp();
             *inside -= *out;
         }
-        air.launch(position, direction, &parts.out, past);
+        air.launch(position, direction, &parts.out, arrival.past.through_yarn());
+    }
+
+    /// Adds to what the views see of the light that fibres reflect.
+    fn show_gloss(&self, gloss: &FibreGloss, arrival: &Arrival, reflected: &[f64], views: &mut [Flux]) {
+        let hit = &arrival.hit;
+        let omega_in = hit.frame.to_local(&arrival.omega_in);
+        for view in views {
+            let density = gloss.density(&omega_in, &hit.frame.to_local(&view.towards));
+            if density > 0.0 && self.tubes.first_hit(hit.position, view.towards).is_none() {
+                for (sum, reflected) in view.gloss.iter_mut().zip(reflected) {
+                    *sum += density * reflected;
+                }
+            }
+        }
     }
 
     /// Adds to what the views see of the light inside that is about to leave, at one for all of the ends of each view's rays
@@ -237,7 +253,7 @@ impl Bounces<'_> {
                 *sum += share * f64::from(*weight) * leaving * radiance;
             }
         };
-        for Flux { sight, sum } in views {
+        for Flux { sight, sum, .. } in views {
             if arrival.past == Past::NONE {
                 show(sum, sight.at(place, false, rng.random()), &parts.out);
                 show(sum, sight.at(place, true, rng.random()), &parts.inside);
@@ -257,7 +273,7 @@ impl Bounces<'_> {
         rng: &mut Xoshiro256PlusPlus,
     ) {
         let place = places.of_backing(&landing.position);
-        for Flux { sight, sum } in views {
+        for Flux { sight, sum, .. } in views {
             let Some(Seen { end, weights, of_ends }) = sight.at_any(place, rng.random()) else {
                 continue;
             };
@@ -300,7 +316,7 @@ impl Bounces<'_> {
             position.into(),
             hit.frame.to_world(&leaving.direction),
             &parts.out,
-            arrival.past.through_yarn(true),
+            arrival.past.spread_by_yarn(Spread::Scattered),
         );
     }
 }
@@ -308,7 +324,7 @@ impl Bounces<'_> {
 /// Weights of one particle at every wavelength: inside and not ballistic, and on the way out.
 pub(super) struct Parts {
     inside: Vec<f64>,
-    out: Vec<f64>,
+    pub out: Vec<f64>,
 }
 
 impl Parts {
@@ -317,6 +333,16 @@ impl Parts {
             inside: vec![0.0; wavelengths],
             out: vec![0.0; wavelengths],
         }
+    }
+
+    /// Splits light that meets a yarn: what its surface reflects, `out`, and what goes in, `inside`.
+    pub fn enter(&mut self, skin: &Skin, arrival: &Arrival, weights: &[f32]) -> Interface {
+        let entry = skin.outside(&arrival.hit, &-arrival.omega_in);
+        for ((inside, out), weight) in self.inside.iter_mut().zip(&mut self.out).zip(weights) {
+            *out = entry.reflectance * f64::from(*weight);
+            *inside = f64::from(*weight) - *out;
+        }
+        entry
     }
 }
 

@@ -11,12 +11,14 @@ mod ledger;
 mod passage;
 mod sights;
 mod straight;
+mod surface;
 mod volumetric;
 
 pub use bounces::{Bounces, Onlookers};
 pub use detector::{Detector, HemisphereNodes, ViewCones};
 pub use ledger::ClothLedger;
 pub use sights::{Places, Sight};
+pub use surface::YarnSurface;
 pub use volumetric::{Inside, Volumetric};
 
 use crate::cloth::Tubes;

@@ -1,6 +1,6 @@
-use super::Beam;
-use super::air::Air;
+use super::air::{Air, Caught};
 use super::bounces::{Bounces, Nothing, Parts};
+use super::{Beam, YarnSurface};
 use crate::cloth::{System, TubeHit, Tubes};
 use crate::geometry::Vec3;
 use crate::transport::{Purpose, Stream};
@@ -105,9 +105,14 @@ impl Sight {
         let tubes = light.tubes;
         let wavelengths = light.wavelengths();
         let stream = |k| Stream::open(light.seed, Purpose::Sights, number, batch, k);
-        let mut air = Air::new(tubes, light.backing, &Nothing, stream(0), wavelengths);
+        let mut air = Air::new(tubes, light.backing, &Nothing, Caught::All, stream(0), wavelengths);
         let mut rng = stream(1);
         let skins = light.skins();
+        // What fibres reflect is shown where they do.
+        let mirror = match light.surface {
+            YarnSurface::Smooth => YarnSurface::Smooth,
+            YarnSurface::Lost | YarnSurface::Fibres(_) => YarnSurface::Lost,
+        };
         let mut parts = Parts::new(wavelengths);
         let (mut ends, mut weights) = (Vec::new(), Vec::new());
         let camera = Beam {
@@ -131,7 +136,9 @@ impl Sight {
                     });
                     weights.extend_from_slice(of_arrival);
                     if arrival.past.yarns <= light.most {
-                        light.cross(crossed, arrival, of_arrival, &mut parts, &mut air, &mut rng);
+                        let entry = parts.enter(crossed.1, arrival, of_arrival);
+                        air.reflect(&mirror, arrival, &parts.out);
+                        light.cross(crossed, arrival, &entry, &mut parts, &mut air, &mut rng);
                     }
                 }
             }

@@ -1,6 +1,6 @@
 use super::bounces::Bounces;
 use super::passage::{Passage, Skin, mirrored};
-use super::{Beam, Detector};
+use super::{Beam, Detector, YarnSurface};
 use crate::cloth::{System, TubeHit};
 use crate::geometry::Vec3;
 use crate::optics::fresnel::Interface;
@@ -12,6 +12,8 @@ use rand::{Rng, RngExt};
 pub(super) struct Straight<'a> {
     light: &'a Bounces<'a>,
     skins: [Skin; 2],
+    /// Whether the outer surface is one; otherwise what it reflects is spread, or lost.
+    mirrors: bool,
 }
 
 struct Ray {
@@ -28,6 +30,7 @@ impl<'a> Straight<'a> {
         Self {
             light,
             skins: light.skins(),
+            mirrors: light.surface == YarnSurface::Smooth,
         }
     }
 
@@ -49,7 +52,7 @@ impl<'a> Straight<'a> {
                 length_mm: [0.0; 2],
                 yarns: 1,
             };
-            if light.surface_reflection {
+            if self.mirrors {
                 let mirrored = ray(mirrored(&hit, &direction), outside.reflectance);
                 self.follow(mirrored, detector, &mut caught, &mut rng);
             }
@@ -72,7 +75,7 @@ impl<'a> Straight<'a> {
             ray.yarns += 1;
             ray.position = hit.position;
             let outside = self.skins[place(&hit)].outside(&hit, &ray.direction);
-            if !light.surface_reflection {
+            if !self.mirrors {
                 ray.weight *= 1.0 - outside.reflectance;
             } else if rng.random::<f64>() < outside.reflectance {
                 ray.direction = mirrored(&hit, &ray.direction);

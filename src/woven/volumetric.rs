@@ -1,5 +1,5 @@
-use super::air::{Air, Past, Queue};
-use super::{Beam, ClothBatch, Detector};
+use super::air::{Air, Caught, Past, Queue};
+use super::{Beam, ClothBatch, Detector, YarnSurface};
 use crate::cloth::{System, Tubes};
 use crate::geometry::Vec3;
 use crate::optics::fresnel;
@@ -38,9 +38,8 @@ pub struct Volumetric<'a> {
     /// Reflectance, at each wavelength, of a rough plane under the cloth.
     pub backing: Option<&'a [f64]>,
     pub roulette: Roulette,
-    /// Whether light that the yarns' smooth surface reflects on its way in goes on. If not, it counts as absorbed, which is
-    /// the cloth of f* without gloss.
-    pub surface_reflection: bool,
+    /// What becomes of light that the yarns reflect on its way in.
+    pub surface: YarnSurface,
     pub seed: u64,
 }
 
@@ -64,7 +63,14 @@ impl Volumetric<'_> {
             Stream::open(self.seed, Purpose::Woven, beam.number, batch, stream_number)
         };
         let wavelengths = self.interiors[0].wavelengths();
-        let air = RefCell::new(Air::new(self.tubes, self.backing, detector, next(), wavelengths));
+        let air = RefCell::new(Air::new(
+            self.tubes,
+            self.backing,
+            detector,
+            Caught::All,
+            next(),
+            wavelengths,
+        ));
         air.borrow_mut().shine(beam, particles);
         while !air.borrow().is_empty() {
             for (system, interior) in [System::Warp, System::Weft].into_iter().zip(self.interiors) {
@@ -99,7 +105,9 @@ impl Volumetric<'_> {
             roulette: self.roulette,
         };
         let mut coming = waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths));
-        let mut mirrored = vec![0.0; wavelengths];
+        // What is lost the walk's ledger holds.
+        let goes_on = self.surface != YarnSurface::Lost;
+        let mut reflected = vec![0.0; wavelengths];
         let traced = walk.trace_incident(
             stream,
             &waiting.weights,
@@ -108,15 +116,12 @@ impl Volumetric<'_> {
                     return NOWHERE;
                 };
                 let (normal, omega_in) = (arrival.hit.frame.normal, arrival.omega_in);
-                let cos_in = normal.dot(&omega_in).clamp(0.0, 1.0);
-                if self.surface_reflection {
-                    let reflectance = fresnel::reflectance(cos_in, interior.index());
-                    for (mirrored, weight) in mirrored.iter_mut().zip(weights) {
-                        *mirrored = reflectance * f64::from(*weight);
+                if goes_on {
+                    let reflectance = fresnel::reflectance(arrival.cos_in(), interior.index());
+                    for (reflected, weight) in reflected.iter_mut().zip(weights) {
+                        *reflected = reflectance * f64::from(*weight);
                     }
-                    let direction = normal * (2.0 * cos_in) - omega_in;
-                    air.borrow_mut()
-                        .launch(arrival.hit.position, direction, &mirrored, Past::NONE);
+                    air.borrow_mut().reflect(&self.surface, arrival, &reflected);
                 }
                 Entry {
                     position: arrival.hit.position,
@@ -130,8 +135,8 @@ impl Volumetric<'_> {
             },
         );
         let kept = traced.ledgers.iter().map(|ledger| {
-            let mirrored = if self.surface_reflection { 0.0 } else { ledger.reflected };
-            [ledger.absorbed + mirrored, ledger.games()]
+            let lost = if goes_on { 0.0 } else { ledger.reflected };
+            [ledger.absorbed + lost, ledger.games()]
         });
         air.borrow_mut().keep(kept);
     }

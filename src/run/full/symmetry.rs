@@ -34,6 +34,12 @@ impl Symmetry {
         )
     }
 
+    /// Whether it is a turn, which leaves a screw what it is; a reflection makes a left-handed one of a right-handed.
+    pub fn keeps_hand(&self) -> bool {
+        let reversed = self.flip.iter().filter(|flip| **flip).count() + usize::from(self.swap);
+        reversed.is_multiple_of(2)
+    }
+
     /// Whether it takes the endless weave of a draft to itself, but for a shift in the cloth's plane. `side` is a multiple
     /// of both repeats.
     fn keeps(&self, draft: &Draft, side: usize) -> bool {
@@ -61,6 +67,7 @@ const LARGEST_REPEAT: usize = 24;
 /// The turns and reflections that leave a cloth's scattering as it is, the identity first: a group. None but the identity
 /// where yarns vary or the repeat is large.
 ///
+/// Yarns count as their own mirror images; where they do not, those that keep the hand are left ([`Symmetry::keeps_hand`]).
 /// `same_media`: warp and weft are of one medium. `same_sides`: nothing lies under the cloth or on it.
 pub fn symmetries(spec: &ClothSpec, same_media: bool, same_sides: bool) -> Vec<Symmetry> {
     let draft = spec.weave.draft();
@@ -102,6 +109,8 @@ mod tests {
     #[test]
     fn drafts_have_the_symmetries_one_sees() {
         assert_eq!(of(Weave::Plain).len(), 16);
+        // The turns of a square and those that lay it on its face.
+        assert_eq!(of(Weave::Plain).iter().filter(|s| s.keeps_hand()).count(), 8);
         let unequal = ClothSpec {
             warp_spacing_mm: 0.6,
             ..ClothSpec::default()
