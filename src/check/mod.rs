@@ -233,7 +233,7 @@ pub fn study(plan: &Plan, effort: CheckEffort, progress: Progress) -> Result<Che
         inputs: plan.inputs.clone(),
     };
     let mut passive = medium::passive(&plan.yarn.medium, context);
-    if plan.weft.is_some() {
+    if plan.weft.is_some() && passive.note.is_none() {
         passive =
             passive.with_note("warp and weft differ: laws are tested on the warp's yarn, and on a cloth of it alone");
     }

@@ -1,5 +1,6 @@
 use super::Study;
-use super::fields::{SECTIONS, Section};
+use super::fields::Section;
+use super::keys::SECTIONS;
 
 const HEADER: &str = "\
 # A study of specval: what to simulate and what to compare it with. Every key may be left out; the values here are the

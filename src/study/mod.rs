@@ -6,6 +6,7 @@
 mod commented;
 mod error;
 mod fields;
+mod keys;
 mod parse;
 mod sections;
 mod validate;

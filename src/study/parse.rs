@@ -2,7 +2,8 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
-use super::fields::{self, Field, Kind, SECTIONS, Section};
+use super::fields::{self, Field, Kind, Section};
+use super::keys::SECTIONS;
 use super::{Place, Study, StudyError};
 
 type Spanned<T> = toml::Spanned<T>;

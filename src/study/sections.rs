@@ -1,4 +1,4 @@
-//! The sections of a study file as types. Meaning, unit and range of every key: [`super::fields`].
+//! The sections of a study file as types. Meaning, unit and range of every key: [`super::keys`].
 
 use serde::{Deserialize, Serialize};
 

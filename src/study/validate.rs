@@ -1,6 +1,7 @@
 use toml::Value;
 
-use super::fields::{self, Field, Kind, SECTIONS};
+use super::fields::{self, Field, Kind};
+use super::keys::SECTIONS;
 use super::{CentreLineChoice, RigSection, SpectrumSection, Study, StudyError, SurfaceChoice, TraceSection};
 use crate::spectrum::Samples;
 

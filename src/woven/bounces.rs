@@ -55,6 +55,7 @@ struct Flux<'a> {
 
 /// Rays of light that surfaces alone turn for one particle: they cost a tenth, and few of them are caught.
 const STRAIGHT: usize = 8;
+
 impl Bounces<'_> {
     /// Batch number `batch` of `particles` particles, whose light `detector` catches as it leaves.
     pub fn batch<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> ClothBatch {
