@@ -405,26 +405,24 @@ fn bytes_do_not_depend_on_threads_and_nothing_is_replaced_unasked() {
     assert_eq!(fs::read_dir(folder).unwrap().count(), before);
 }
 
-/// The full BSDF by f* is that of the medium as far as f* goes: where yarns absorb much of what they scatter, to 5 % in reflectance.
+/// The full BSDF by f* is that of the medium as far as f* goes: where yarns absorb much of what they scatter, to 5 % in reflectance at
+/// normal incidence and 8 % at 60°.
 /// False alarms: 6 values of 6 standard errors each, 14 degrees of freedom, 2e-4 together.
 #[test]
 fn both_methods_reflect_alike() {
     let folder = tempfile::tempdir().unwrap();
     let text = "[spectrum]\nwavelengths_nm = [450, 550, 650]\n[trace]\nbatches = 8\npaths_direct = 160000\n\
-                [medium]\nhost_mu_a_per_mm = 20.0\nkappa_peak = 0.0\n";
+                [medium]\nhost_mu_a_per_mm = 5.0\nkappa_peak = 0.0\n";
     fs::write(folder.path().join("s.toml"), text).unwrap();
     let traced = measure_with(folder.path(), "a.csv", "16000", &[]);
-    let by_factor = measure(
-        folder.path(),
-        "b.csv",
-        &["--paths", "16000", "--method", "radiance-factor"],
-    );
-    for theta_i_deg in [0.0, 60.0] {
+    let by_factor = measure_with(folder.path(), "b.csv", "16000", &["--method", "radiance-factor"]);
+    for (theta_i_deg, share) in [(0.0, 0.05), (60.0, 0.08)] {
         let [a, b] = [&traced, &by_factor].map(|document| hemispherical(document, theta_i_deg, "reflectance"));
         let [a_se, b_se] = [&traced, &by_factor].map(|document| hemispherical(document, theta_i_deg, "reflectance_se"));
         for w in 0..3 {
-            let allowed = 0.05 * a[w] + 6.0 * a_se[w].hypot(b_se[w]);
-            assert!((a[w] - b[w]).abs() <= allowed, "{theta_i_deg} {w}: {} {}", a[w], b[w]);
+            let allowed = share * a[w] + 6.0 * a_se[w].hypot(b_se[w]);
+            println!("{theta_i_deg} deg: {:.5} traced, {:.5} by f*", a[w], b[w]);
+            assert!((a[w] - b[w]).abs() <= allowed, "{theta_i_deg} {w}");
         }
         assert!(
             a[0] > 0.02

@@ -220,6 +220,9 @@ pub(super) struct LightBetween<'a> {
 const PIECE_RADII: f64 = 0.125;
 const SQUARE_RADII: f64 = 0.25;
 
+/// Rays of a view in a batch, however many the camera has: each point they end at takes memory for every wavelength.
+const MOST_RAYS: usize = 4096;
+
 impl<'a> LightBetween<'a> {
     /// `most` yarns after the first; `particles` in a batch.
     pub fn new(plan: &'a Plan, most: usize, particles: usize) -> Result<Self, RunError> {
@@ -259,7 +262,7 @@ impl<'a> LightBetween<'a> {
                 views.push(*view);
             }
         }
-        let rays = plan.pixels.count();
+        let rays = plan.pixels.count().min(MOST_RAYS);
         let sights: Vec<Sight> = views
             .par_iter()
             .map(|view| Sight::new(&light, &self.places, view, direction_number(view), batch, rays))
