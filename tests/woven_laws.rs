@@ -202,20 +202,20 @@ fn a_white_cloth_loses_no_light() {
     }
 }
 
-/// The same to a thousandth: five standard errors are less than that. Minutes; `cargo test --release --test woven_laws -- --ignored`.
-/// False alarms: 4 values, 4e-4 together.
+/// The same to a thousandth: three standard errors are less than that. Minutes; `cargo test --release --test woven_laws -- --ignored`.
+/// False alarms: 4 values of more than three standard errors, 1e-2 together.
 #[test]
 #[ignore = "minutes"]
 fn a_white_cloth_loses_less_than_a_thousandth() {
     let tubes = Tubes::new(&ClothSpec::default()).unwrap();
     let yarn = yarn(medium(vec![650.0], 0.0), 0.15);
     for theta_deg in [0.0, 60.0] {
-        let traced = volumetric(&tubes, &yarn.medium, theta_deg, &Nothing, 150_000);
-        let scattered = bounces(&tubes, &yarn, theta_deg, 10_000_000, 150_000);
+        let traced = volumetric(&tubes, &yarn.medium, theta_deg, &Nothing, 420_000);
+        let scattered = bounces(&tubes, &yarn, theta_deg, 10_000_000, 420_000);
         for batches in [&traced, &scattered] {
             let out = estimate(batches, 0, |l| l.reflected + l.transmitted());
             println!("{theta_deg} deg: {:.5} ± {:.5} leaves", out.value, out.se);
-            assert!(5.0 * out.se < 1e-3 && (out.value - 1.0).abs() < 1e-3, "{out:?}");
+            assert!(3.0 * out.se < 1e-3 && (out.value - 1.0).abs() < 1e-3, "{out:?}");
         }
     }
 }

@@ -1,5 +1,5 @@
 use super::{Plan, Progress, RunError};
-use crate::cloth::Tubes;
+use crate::cloth::{System, Tubes};
 use crate::compare::Geometry;
 use crate::geometry::Vec3;
 use crate::rig::{omega_in, omega_out};
@@ -222,6 +222,7 @@ const SQUARE_RADII: f64 = 0.25;
 
 /// Rays of a view in a batch, however many the camera has: each point they end at takes memory for every wavelength.
 const MOST_RAYS: usize = 4096;
+const CROSSINGS_OF_PLAIN: usize = 4;
 
 impl<'a> LightBetween<'a> {
     /// `most` yarns after the first; `particles` in a batch.
@@ -262,7 +263,10 @@ impl<'a> LightBetween<'a> {
                 views.push(*view);
             }
         }
-        let rays = plan.pixels.count().min(MOST_RAYS);
+        // As many for a piece of yarn, so that a particle finds one as often, as in the cell of a plain weave.
+        let crossings = [System::Warp, System::Weft].map(|system| self.tubes.yarns(system));
+        let cells = (crossings[0] * crossings[1]).div_ceil(CROSSINGS_OF_PLAIN);
+        let rays = plan.pixels.count().saturating_mul(cells).min(MOST_RAYS);
         let sights: Vec<Sight> = views
             .par_iter()
             .map(|view| Sight::new(&light, &self.places, view, direction_number(view), batch, rays))

@@ -9,8 +9,8 @@ use std::ops::Range;
 /// Where light that a view sees comes from: points of yarns and of the backing that its camera rays meet, straight or on through
 /// yarns by their surfaces alone. What surfaces turn on its way to the view thus has no need to be caught there.
 pub struct Sight {
-    /// Of the ends of each place with no yarn between, then of its others, and the number of ends at the end.
-    starts: Vec<u32>,
+    /// Of each end its group, ascending: [`End::group`].
+    groups: Vec<usize>,
     ends: Vec<End>,
     /// What of the light of an end arrives: end × wavelength, wavelength fastest.
     weights: Vec<f32>,
@@ -32,6 +32,13 @@ pub(super) struct End {
     pub yarns: usize,
     /// 1/mm²: of a yarn, over the surface of the place per radian of the normal; of the backing, over the place's area.
     pub per_surface: f64,
+}
+
+impl End {
+    /// Ends of one place with no yarn between come first, then its others.
+    fn group(&self) -> usize {
+        2 * self.place + usize::from(self.yarns > 0)
+    }
 }
 
 /// Light of one end: what arrives of it, and for how many ends of the place it stands.
@@ -66,10 +73,6 @@ impl Places {
             squares: cell_mm.map(|length| count(length, square_mm)),
             cell_mm,
         }
-    }
-
-    fn count(&self) -> usize {
-        self.first[2] + self.squares[0] * self.squares[1]
     }
 
     /// Number of the piece of yarn that light meets.
@@ -155,16 +158,14 @@ impl Sight {
                 weights.extend(of_landing.iter().map(|weight| *weight as f32));
             }
         }
-        Self::sorted(places.count(), &ends, &weights, wavelengths, rays)
+        Self::sorted(&ends, &weights, wavelengths, rays)
     }
 
-    fn sorted(places: usize, ends: &[End], weights: &[f32], wavelengths: usize, rays: usize) -> Self {
+    fn sorted(ends: &[End], weights: &[f32], wavelengths: usize, rays: usize) -> Self {
         let mut order: Vec<usize> = (0..ends.len()).collect();
-        let group = |k: &usize| 2 * ends[*k].place + usize::from(ends[*k].yarns > 0);
-        order.sort_by_key(group);
-        let starts = (0..=2 * places).map(|wanted| order.partition_point(|k| group(k) < wanted) as u32);
+        order.sort_by_key(|&k| ends[k].group());
         Self {
-            starts: starts.collect(),
+            groups: order.iter().map(|&k| ends[k].group()).collect(),
             ends: order.iter().map(|&k| ends[k]).collect(),
             weights: (order.iter())
                 .flat_map(|&k| weights[k * wavelengths..(k + 1) * wavelengths].iter().copied())
@@ -187,7 +188,7 @@ impl Sight {
     }
 
     fn one_of(&self, groups: Range<usize>, even: f64) -> Option<Seen<'_>> {
-        let [first, next] = [groups.start, groups.end].map(|k| self.starts[k] as usize);
+        let [first, next] = [groups.start, groups.end].map(|group| self.groups.partition_point(|g| *g < group));
         let count = next - first;
         let k = first + ((even * count as f64) as usize).min(count.checked_sub(1)?);
         Some(Seen {
@@ -199,7 +200,7 @@ impl Sight {
 
     /// Those on the backing with nothing between.
     pub(super) fn bare(&self, places: &Places) -> impl Iterator<Item = &End> {
-        let on_backing = self.starts[2 * places.first[2]] as usize;
+        let on_backing = self.groups.partition_point(|group| *group < 2 * places.first[2]);
         self.ends[on_backing..].iter().filter(|end| end.yarns == 0)
     }
 }
