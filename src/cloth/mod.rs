@@ -30,6 +30,14 @@ pub enum System {
 }
 
 impl System {
+    /// Place in pairs of warp and weft.
+    pub fn index(self) -> usize {
+        match self {
+            Self::Warp => 0,
+            Self::Weft => 1,
+        }
+    }
+
     pub fn other(self) -> Self {
         match self {
             Self::Warp => Self::Weft,

@@ -149,6 +149,11 @@ impl Medium {
         &self.mu_a_per_mm
     }
 
+    /// Extinction coefficient at each wavelength, μ_s + μ_a, 1/mm.
+    pub fn extinction_per_mm(&self) -> impl Iterator<Item = f64> {
+        self.mu_s_per_mm.iter().zip(&self.mu_a_per_mm).map(|(s, a)| s + a)
+    }
+
     /// Asymmetry parameter: mean cosine of the scattering angle.
     pub fn g(&self) -> &[f64] {
         &self.g

@@ -173,7 +173,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
 
     /// Those that wait at a system's yarns, who then no longer wait.
     pub fn take(&mut self, system: System) -> Queue {
-        std::mem::take(&mut self.queues[place(system)])
+        std::mem::take(&mut self.queues[system.index()])
     }
 
     /// Those that wait at the backing, who then no longer wait.
@@ -271,7 +271,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
     }
 
     fn queue(&mut self, arrival: Arrival, weights: impl Iterator<Item = f32>) {
-        let queue = &mut self.queues[place(arrival.hit.yarn.system)];
+        let queue = &mut self.queues[arrival.hit.yarn.system.index()];
         queue.arrivals.push(arrival);
         queue.weights.extend(weights);
     }
@@ -316,12 +316,5 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             ledger: ledger.collect(),
             caught,
         }
-    }
-}
-
-fn place(system: System) -> usize {
-    match system {
-        System::Warp => 0,
-        System::Weft => 1,
     }
 }

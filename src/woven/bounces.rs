@@ -8,7 +8,7 @@ use crate::geometry::Vec3;
 use crate::optics::fresnel::Interface;
 use crate::shading::FibreGloss;
 use crate::transport::{Purpose, Stream};
-use crate::yarn::{Yarn, YarnScatter, kept_by_straight_yarn};
+use crate::yarn::{Meeting, Yarn, YarnScatter, kept_by_straight_yarn};
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
@@ -153,6 +153,7 @@ impl Bounces<'_> {
                     }
                     air.reflect(&self.surface, arrival, &parts.out);
                     self.cross((yarn, skin), arrival, &entry, &mut parts, &mut air, &mut rng);
+                    let meeting = scatter.meet(&arrival.hit.frame.to_local(&arrival.omega_in));
                     if let Some((places, views)) = &mut views {
                         if arrival.past == Past::NONE {
                             straight_yarn(yarn, skin, arrival, weights, &mut parts.out);
@@ -160,9 +161,9 @@ impl Bounces<'_> {
                                 *beyond = inside - *beyond;
                             }
                         }
-                        self.show(scatter, arrival, &parts, places, views, &mut rng);
+                        self.show((scatter, &meeting), arrival, &parts, places, views, &mut rng);
                     }
-                    self.scatter(scatter, arrival, &mut parts, &mut air, &mut rng);
+                    self.scatter((scatter, &meeting), arrival, &mut parts, &mut air, &mut rng);
                 }
             }
             let mut landed = air.take_landed();
@@ -195,12 +196,7 @@ impl Bounces<'_> {
         else {
             return;
         };
-        let medium = &yarn.medium;
-        let extinction = medium
-            .mu_s_per_mm()
-            .iter()
-            .zip(medium.mu_a_per_mm())
-            .map(|(s, a)| s + a);
+        let extinction = yarn.medium.extinction_per_mm();
         for ((inside, out), extinction) in parts.inside.iter_mut().zip(&mut parts.out).zip(extinction) {
             *out = *inside * (-extinction * length_mm).exp();
             *inside -= *out;
@@ -227,7 +223,7 @@ impl Bounces<'_> {
     /// straight to the view: `parts.out` is the rest.
     fn show(
         &self,
-        scatter: &YarnScatter,
+        (scatter, meeting): (&YarnScatter, &Meeting),
         arrival: &Arrival,
         parts: &Parts,
         places: &Places,
@@ -235,7 +231,6 @@ impl Bounces<'_> {
         rng: &mut Xoshiro256PlusPlus,
     ) {
         let frame = &arrival.hit.frame;
-        let meeting = scatter.meet(&frame.to_local(&arrival.omega_in));
         let place = places.of_yarn(self.tubes, &arrival.hit);
         let show = |sum: &mut [f64], seen: Option<Seen>, leaving: &[f64]| {
             let Some(Seen { end, weights, of_ends }) = seen else {
@@ -248,7 +243,7 @@ impl Bounces<'_> {
             let across = normal.x.hypot(normal.z);
             let normal = Vec3::new(normal.x / across, 0.0, normal.z / across);
             let towards = frame.to_local(&end.towards);
-            let radiance = scatter.radiance(&meeting, &normal, &towards);
+            let radiance = scatter.radiance(meeting, &normal, &towards);
             let share = of_ends * end.per_surface;
             for (((sum, leaving), weight), radiance) in sum.iter_mut().zip(leaving).zip(weights).zip(radiance) {
                 *sum += share * f64::from(*weight) * leaving * radiance;
@@ -292,16 +287,15 @@ impl Bounces<'_> {
 
     fn scatter<D: Detector>(
         &self,
-        scatter: &YarnScatter,
+        (scatter, meeting): (&YarnScatter, &Meeting),
         arrival: &Arrival,
         parts: &mut Parts,
         air: &mut Air<'_, D, Xoshiro256PlusPlus>,
         rng: &mut Xoshiro256PlusPlus,
     ) {
         let hit = &arrival.hit;
-        let meeting = scatter.meet(&hit.frame.to_local(&arrival.omega_in));
         let numbers = [rng.random(), rng.random(), rng.random(), rng.random()];
-        let Some(leaving) = scatter.draw(&meeting, numbers) else {
+        let Some(leaving) = scatter.draw(meeting, numbers) else {
             air.keep(parts.inside.iter().map(|inside| [*inside, 0.0]));
             return;
         };
@@ -309,7 +303,7 @@ impl Bounces<'_> {
             *out = inside * worth;
         }
         // The draw is worth the albedo in the mean only.
-        let rows = parts.out.iter().zip(&parts.inside).zip(scatter.albedo(&meeting));
+        let rows = parts.out.iter().zip(&parts.inside).zip(scatter.albedo(meeting));
         air.keep(rows.map(|((out, inside), albedo)| [inside * (1.0 - albedo), inside * albedo - out]));
         let outward = hit.frame.to_world(&leaving.normal);
         let position = self.tubes.beside(hit.yarn.system, hit.position.into(), outward.into());

@@ -30,15 +30,10 @@ pub(super) struct Passage {
 impl Skin {
     pub fn new(yarn: &Yarn) -> Self {
         let medium = &yarn.medium;
-        let extinction = medium
-            .mu_s_per_mm()
-            .iter()
-            .zip(medium.mu_a_per_mm())
-            .map(|(s, a)| s + a);
         let hosts = medium.host_index();
         Self {
             index: hosts[hosts.len() / 2],
-            longest_mm: OPAQUE / extinction.fold(f64::INFINITY, f64::min),
+            longest_mm: OPAQUE / medium.extinction_per_mm().fold(f64::INFINITY, f64::min),
         }
     }
 

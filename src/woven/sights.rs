@@ -78,7 +78,7 @@ impl Places {
     /// Number of the piece of yarn that light meets.
     pub(super) fn of_yarn(&self, tubes: &Tubes, hit: &TubeHit) -> usize {
         let system = hit.yarn.system;
-        let k = usize::from(system == System::Weft);
+        let k = system.index();
         let place_mm = tubes.place_mm(system, hit.position.into());
         let along = place_mm / tubes.repeat_mm(system) * self.pieces[k] as f64;
         let piece = (along as usize).min(self.pieces[k] - 1);
@@ -94,7 +94,7 @@ impl Places {
     }
 
     fn piece_mm(&self, tubes: &Tubes, system: System) -> f64 {
-        tubes.repeat_mm(system) / self.pieces[usize::from(system == System::Weft)] as f64
+        tubes.repeat_mm(system) / self.pieces[system.index()] as f64
     }
 
     fn square_mm2(&self) -> f64 {

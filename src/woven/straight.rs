@@ -1,7 +1,7 @@
 use super::bounces::Bounces;
 use super::passage::{Passage, Skin, mirrored};
 use super::{Beam, Detector, YarnSurface};
-use crate::cloth::{System, TubeHit};
+use crate::cloth::TubeHit;
 use crate::geometry::Vec3;
 use crate::optics::fresnel::Interface;
 use crate::transport::{Purpose, Stream};
@@ -44,7 +44,7 @@ impl<'a> Straight<'a> {
             let Some(hit) = light.tubes.first_hit(origin, direction) else {
                 continue;
             };
-            let outside = self.skins[place(&hit)].outside(&hit, &direction);
+            let outside = self.skins[hit.yarn.system.index()].outside(&hit, &direction);
             let ray = |direction, share: f64| Ray {
                 position: hit.position,
                 direction,
@@ -74,7 +74,7 @@ impl<'a> Straight<'a> {
             }
             ray.yarns += 1;
             ray.position = hit.position;
-            let outside = self.skins[place(&hit)].outside(&hit, &ray.direction);
+            let outside = self.skins[hit.yarn.system.index()].outside(&hit, &ray.direction);
             if !self.mirrors {
                 ray.weight *= 1.0 - outside.reflectance;
             } else if rng.random::<f64>() < outside.reflectance {
@@ -86,10 +86,9 @@ impl<'a> Straight<'a> {
             }
         }
         detector.find(&ray.direction, |bin, share| {
-            let [warp, weft] = light.yarns.map(|yarn| &yarn.medium);
-            for (w, sum) in caught[bin].iter_mut().enumerate() {
-                let depth = (warp.mu_s_per_mm()[w] + warp.mu_a_per_mm()[w]) * ray.length_mm[0]
-                    + (weft.mu_s_per_mm()[w] + weft.mu_a_per_mm()[w]) * ray.length_mm[1];
+            let [warp, weft] = light.yarns.map(|yarn| yarn.medium.extinction_per_mm());
+            for (sum, (warp, weft)) in caught[bin].iter_mut().zip(warp.zip(weft)) {
+                let depth = warp * ray.length_mm[0] + weft * ray.length_mm[1];
                 *sum += share * ray.weight * (-depth).exp();
             }
         });
@@ -97,7 +96,7 @@ impl<'a> Straight<'a> {
 
     /// Takes a ray through the yarn that it has met; false if nothing comes out.
     fn through(&self, ray: &mut Ray, hit: &TubeHit, outside: &Interface, rng: &mut impl Rng) -> bool {
-        let k = place(hit);
+        let k = hit.yarn.system.index();
         let Some(Passage {
             position,
             direction,
@@ -110,8 +109,4 @@ impl<'a> Straight<'a> {
         ray.length_mm[k] += length_mm;
         true
     }
-}
-
-fn place(hit: &TubeHit) -> usize {
-    usize::from(hit.yarn.system == System::Weft)
 }
