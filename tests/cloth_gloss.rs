@@ -104,17 +104,15 @@ impl Weave {
         (0..BATCHES)
             .into_par_iter()
             .map(|batch| {
-                let table = match paths {
-                    0 => vec![0.0; 2 * grid.cells()],
+                let [table, passages] = match paths {
+                    0 => [vec![0.0; 2 * grid.cells()], vec![0.0; 2 * grid.passages()]],
                     _ => {
                         let effort = Effort::new(1, BATCHES, paths).unwrap();
-                        DirectTracer::new(&self.yarn, grid, effort, None)
-                            .unwrap()
-                            .batch(batch)
-                            .radiance_factor
+                        let traced = DirectTracer::new(&self.yarn, grid, effort, None).unwrap().batch(batch);
+                        [traced.radiance_factor, traced.passages]
                     }
                 };
-                let scatter = YarnScatter::new(&self.yarn, grid, &table).unwrap();
+                let scatter = YarnScatter::new(&self.yarn, grid, &table, &passages).unwrap();
                 let light = Bounces {
                     tubes: &self.tubes,
                     yarns: [&self.yarn; 2],

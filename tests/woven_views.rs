@@ -49,8 +49,8 @@ fn brightness(case: &Case, most: usize) -> [Vec<Vec<f64>>; 2] {
     let tubes = Tubes::new(&case.spec).unwrap();
     let grid = RadianceFactorGrid::new(6, SurfaceGrid::new(24, 6, 12).unwrap()).unwrap();
     let tracer = DirectTracer::new(&case.yarn, grid, Effort::new(1, 2, 200_000).unwrap(), None).unwrap();
-    let table = tracer.batch(0).radiance_factor;
-    let scatter = YarnScatter::new(&case.yarn, grid, &table).unwrap();
+    let traced = tracer.batch(0);
+    let scatter = YarnScatter::new(&case.yarn, grid, &traced.radiance_factor, &traced.passages).unwrap();
     let light = Bounces {
         tubes: &tubes,
         yarns: [&case.yarn; 2],

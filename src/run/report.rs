@@ -9,7 +9,7 @@ use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Nam
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
 use crate::shading::Classical;
 use crate::study::{MediumSection, MethodChoice, NumberOrTable};
-use crate::yarn::{DirectTracer, Effort};
+use crate::yarn::{DirectBatch, DirectTracer, Effort};
 
 /// Least effort of a point of the sweep: batches, and the share of the study's paths.
 const SWEEP_BATCHES: usize = 4;
@@ -280,10 +280,18 @@ fn orders(plan: &Plan, traced: usize) -> Result<[ColourRatios; 2], RunError> {
     let lit = lit_views(plan, &[NORMAL]);
     let [mut direct, mut all] = [Vec::new(), Vec::new()];
     for batch in 0..batches {
-        let tables: Vec<Vec<f64>> = tracers.iter().map(|t| t.batch(batch).radiance_factor).collect();
+        let traced = tracers.iter().map(|tracer| {
+            let DirectBatch {
+                radiance_factor,
+                passages,
+                ..
+            } = tracer.batch(batch);
+            (radiance_factor, passages)
+        });
+        let (tables, passages): (Vec<_>, Vec<_>) = traced.unzip();
         let sunlit = CameraBatch::trace(plan, &[NORMAL], batch).shade(&tables);
         let mut whole = sunlit.clone();
-        for of in between.brightness(&tables, &lit, batch)? {
+        for of in between.brightness(&tables, &passages, &lit, batch)? {
             for (sum, beta) in whole.iter_mut().flatten().zip(of.beta.iter().flatten()) {
                 *sum += beta;
             }

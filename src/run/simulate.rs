@@ -123,15 +123,21 @@ impl<'a> Simulator<'a> {
         let ledgers = self.energy.batch(batch).ledgers;
         let (mut diffuse, followed) = match &self.light {
             Light::RadianceFactor(shading, between) => {
-                let table = |of: &Shading| match of {
-                    Shading::Direct(tracer) => tracer.batch(batch).radiance_factor,
-                    Shading::Bssrdf(tracer) => tracer.batch(batch).radiance_factor,
+                let tables = |of: &Shading| match of {
+                    Shading::Direct(tracer) => {
+                        let batch = tracer.batch(batch);
+                        (batch.radiance_factor, batch.passages)
+                    }
+                    Shading::Bssrdf(tracer) => {
+                        let batch = tracer.batch(batch);
+                        (batch.radiance_factor, batch.passages)
+                    }
                 };
-                let tables: Vec<Vec<f64>> = shading.iter().map(table).collect();
+                let (tables, passages): (Vec<_>, Vec<_>) = shading.iter().map(tables).unzip();
                 let sunlit = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&tables);
                 let between = between
                     .as_ref()
-                    .map(|light| light.brightness(&tables, &self.lit, batch));
+                    .map(|light| light.brightness(&tables, &passages, &self.lit, batch));
                 (sunlit, between.transpose()?.unwrap_or_default())
             }
             Light::Volumetric(cloth) => {

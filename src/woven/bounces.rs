@@ -294,7 +294,7 @@ impl Bounces<'_> {
         rng: &mut Xoshiro256PlusPlus,
     ) {
         let hit = &arrival.hit;
-        let numbers = [rng.random(), rng.random(), rng.random(), rng.random()];
+        let numbers = [rng.random(), rng.random(), rng.random()];
         let Some(leaving) = scatter.draw(meeting, numbers) else {
             air.keep(parts.inside.iter().map(|inside| [*inside, 0.0]));
             return;

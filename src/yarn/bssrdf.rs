@@ -109,6 +109,8 @@ pub struct BssrdfBatch {
     pub fractions: Vec<f64>,
     /// f* as the sum of the BSSRDF over the lit surface, 1/sr: cell × wavelength, wavelength fastest.
     pub radiance_factor: Vec<f64>,
+    /// See [`super::DirectBatch::passages`].
+    pub passages: Vec<f64>,
     /// Traced direction × wavelength, wavelength fastest; means over the directions' cells.
     pub ledgers: Vec<Ledger>,
 }
@@ -117,6 +119,7 @@ pub struct BssrdfBatch {
 struct Part {
     first_tilt: usize,
     values: Vec<f64>,
+    passages: Vec<f64>,
     ledgers: Vec<Ledger>,
 }
 
@@ -148,9 +151,10 @@ impl<'a> PatchTracer<'a> {
         let wavelengths = self.grid.wavelengths;
         let mut fractions = vec![0.0; self.grid.shape().iter().product()];
         let mut radiance_factor = vec![0.0; self.summed.cells() * wavelengths];
+        let mut passages = vec![0.0; self.summed.passages() * wavelengths];
         let mut ledgers = Vec::with_capacity(self.grid.incident.traced() * wavelengths);
         let per_direction = self.grid.values_per_direction();
-        let per_tilt = self.summed.cells() / self.summed.tilts() * wavelengths;
+        let per_tilt = |count: usize| count / self.summed.tilts() * wavelengths;
         for (held, fractions) in fractions.chunks_mut(per_direction * HELD_DIRECTIONS).enumerate() {
             let parts: Vec<Part> = fractions
                 .par_chunks_mut(per_direction)
@@ -158,8 +162,10 @@ impl<'a> PatchTracer<'a> {
                 .map(|(k, fractions)| self.direction(batch, held * HELD_DIRECTIONS + k, fractions))
                 .collect();
             for part in parts {
-                let target = &mut radiance_factor[part.first_tilt * per_tilt..];
+                let target = &mut radiance_factor[part.first_tilt * per_tilt(self.summed.cells())..];
                 target.iter_mut().zip(part.values).for_each(|(t, v)| *t += v);
+                let target = &mut passages[part.first_tilt * per_tilt(self.summed.passages())..];
+                target.iter_mut().zip(part.passages).for_each(|(t, v)| *t += v);
                 ledgers.extend(part.ledgers);
             }
         }
@@ -168,9 +174,14 @@ impl<'a> PatchTracer<'a> {
             let factor = self.summed.radiance_factor_per_light(cell % exits);
             row.iter_mut().for_each(|value| *value *= factor);
         }
+        for (tilt, rows) in passages.chunks_exact_mut(per_tilt(self.summed.passages())).enumerate() {
+            let factor = self.summed.fraction_per_light(tilt);
+            rows.iter_mut().for_each(|value| *value *= factor);
+        }
         BssrdfBatch {
             fractions,
             radiance_factor,
+            passages,
             ledgers,
         }
     }
@@ -182,11 +193,13 @@ impl<'a> PatchTracer<'a> {
         let cell = incident.cell(direction);
         let [low, high] = cell.sine_of_tilt();
         let tilts = self.cells.tilt(low)..=self.cells.tilt(high);
-        let per_tilt = summed.cells() / summed.tilts();
-        let first_cell = tilts.start() * per_tilt;
+        let first_cell = summed.cell(*tilts.start(), 0, 0);
+        let first_passage = summed.passage(*tilts.start(), 0, false, 0);
+        let reached = |count: usize| count / summed.tilts() * tilts.clone().count() * wavelengths;
         // The part of the hemisphere that this direction and its mirror images stand for.
         let seen = incident.images() * cell.solid_angle();
-        let mut values = vec![0.0; tilts.clone().count() * per_tilt * wavelengths];
+        let mut values = vec![0.0; reached(summed.cells())];
+        let mut passages = vec![0.0; reached(summed.passages())];
         let mut ledgers = Vec::with_capacity(wavelengths);
         let width = TAU / surface.azimuths as f64;
         let inverse_radius = 1.0 / self.yarn.cylinder.radius_mm();
@@ -242,6 +255,8 @@ impl<'a> PatchTracer<'a> {
                     let factor = scale * seen * cosine;
                     let at = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
                     add_scaled(&mut values[at * wavelengths..][here.clone()], exit.weights, factor);
+                    let at = self.cells.passage(&light, &exit.entry, &exit.normal) - first_passage;
+                    add_scaled(&mut passages[at * wavelengths..][here.clone()], exit.weights, factor);
                 },
             );
             ledgers.extend(traced.ledgers.iter().map(|sum| sum.scaled(scale)));
@@ -249,6 +264,7 @@ impl<'a> PatchTracer<'a> {
         Part {
             first_tilt: *tilts.start(),
             values,
+            passages,
             ledgers,
         }
     }

@@ -20,6 +20,9 @@ pub struct DirectTracer<'a> {
 pub struct DirectBatch {
     /// f*, 1/sr: cell of the grid × wavelength, wavelength fastest.
     pub radiance_factor: Vec<f64>,
+    /// Of all light of a tilt, the fraction that comes in at one place of the section or its mirror image, scatters, and leaves at
+    /// another: passage of the grid × wavelength, wavelength fastest.
+    pub passages: Vec<f64>,
     /// Tilt × wavelength, wavelength fastest; fractions of the light that meets the yarn.
     pub ledgers: Vec<Ledger>,
     /// f* by path length; empty where it was not asked for.
@@ -51,11 +54,13 @@ impl<'a> DirectTracer<'a> {
             .collect();
         let mut whole = DirectBatch {
             radiance_factor: Vec::with_capacity(self.grid.cells() * self.yarn.wavelengths()),
+            passages: Vec::with_capacity(self.grid.passages() * self.yarn.wavelengths()),
             ledgers: Vec::new(),
             lengths: LengthTally::default(),
         };
         for tilt in tilts {
             whole.radiance_factor.extend(tilt.radiance_factor);
+            whole.passages.extend(tilt.passages);
             whole.ledgers.extend(tilt.ledgers);
             whole.lengths.amount.extend(tilt.lengths.amount);
             whole.lengths.moment_mm.extend(tilt.lengths.moment_mm);
@@ -70,6 +75,7 @@ impl<'a> DirectTracer<'a> {
         let cells = self.grid.azimuths() * exits;
         let bins = self.lengths.as_ref().map_or(0, LengthBins::bins);
         let paths = self.effort.paths_per_batch;
+        let per_path = 1.0 / paths as f64;
         let [low, high] = self.grid.tilt_edges(tilt).map(f64::sin);
         let light = LightSide {
             x: 0.0,
@@ -78,6 +84,8 @@ impl<'a> DirectTracer<'a> {
             axis_reversed: false,
         };
         let first_cell = self.grid.cell(tilt, 0, 0);
+        let first_passage = self.grid.passage(tilt, 0, false, 0);
+        let mut passages = vec![0.0; self.grid.passages() / self.grid.tilts() * wavelengths];
         let mut values = vec![0.0; cells * wavelengths];
         let mut lengths = LengthTally {
             amount: vec![0.0; cells * bins * wavelengths],
@@ -104,6 +112,12 @@ impl<'a> DirectTracer<'a> {
                     if exit.scattered || fault::active(Fault::BallisticBinned) {
                         let cell = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
                         add_scaled(&mut values[cell * wavelengths..][here.clone()], exit.weights, 1.0);
+                        let passage = self.cells.passage(&light, &exit.entry, &exit.normal) - first_passage;
+                        add_scaled(
+                            &mut passages[passage * wavelengths..][here.clone()],
+                            exit.weights,
+                            per_path,
+                        );
                         if let Some(of) = &self.lengths {
                             let at = (cell * bins + of.bin(exit.length_mm)) * wavelengths;
                             add_single(&mut lengths.amount[at..][here.clone()], exit.weights, 1.0);
@@ -112,7 +126,7 @@ impl<'a> DirectTracer<'a> {
                     }
                 },
             );
-            ledgers.extend(traced.ledgers.iter().map(|sum| sum.scaled(1.0 / paths as f64)));
+            ledgers.extend(traced.ledgers.iter().map(|sum| sum.scaled(per_path)));
         }
         let factor: Vec<f64> = (0..exits)
             .map(|exit| self.grid.radiance_factor_per_fraction(tilt, exit) / paths as f64)
@@ -127,6 +141,7 @@ impl<'a> DirectTracer<'a> {
         }
         DirectBatch {
             radiance_factor: values,
+            passages,
             ledgers,
             lengths,
         }

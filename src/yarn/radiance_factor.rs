@@ -43,6 +43,27 @@ impl RadianceFactorGrid {
         self.tilts * self.azimuths() * self.surface.exit.cells()
     }
 
+    /// Cells of a quarter of the section, from the light's meridian to where the light grazes: light comes in at one of them or
+    /// at its mirror image, of the same width as the cells it leaves at.
+    pub fn entries(&self) -> usize {
+        self.azimuths() / 2
+    }
+
+    /// Azimuths from the light's meridian between which entry cell k lies, radians.
+    pub fn entry_edges(&self, k: usize) -> [f64; 2] {
+        [k, k + 1].map(|edge| edge as f64 * FRAC_PI_2 / self.entries() as f64)
+    }
+
+    /// Cells of a table of where light that came in at one place of the section leaves: (tilt, entry, side, azimuth).
+    pub fn passages(&self) -> usize {
+        self.tilts * self.entries() * 2 * self.azimuths()
+    }
+
+    /// Index of (tilt, entry, side, azimuth): light that leaves on the `opposite` side of the light's meridian or on its own.
+    pub fn passage(&self, tilt: usize, entry: usize, opposite: bool, azimuth: usize) -> usize {
+        ((tilt * self.entries() + entry) * 2 + usize::from(opposite)) * self.azimuths() + azimuth
+    }
+
     /// Middle of tilt cell k, radians.
     pub fn tilt(&self, k: usize) -> f64 {
         (k as f64 + 0.5) * FRAC_PI_2 / self.tilts as f64
@@ -74,6 +95,13 @@ impl RadianceFactorGrid {
             false => self.mean_cosine(tilt),
         };
         cosine / (width * self.surface.exit.projected_solid_angle(exit))
+    }
+
+    /// Of all light of the tilt's cell, the fraction per ∫∫ (fraction of the flux on a patch) cos α dω, as in
+    /// [`Self::radiance_factor_per_light`].
+    pub(super) fn fraction_per_light(&self, tilt: usize) -> f64 {
+        let tilt_width = FRAC_PI_2 / self.tilts as f64;
+        0.25 / (tilt_width * self.mean_cosine(tilt))
     }
 
     /// f* in a cell per ∫∫ (fraction of the flux on a patch that leaves through it) cos α dω, 1/sr: the sum of the BSSRDF
@@ -221,15 +249,39 @@ impl FactorCells {
     /// Cell of light that leaves at a surface `normal` along `direction`.
     #[inline(always)]
     pub fn cell(&self, light: &LightSide, normal: &Vec3, direction: &Vec3) -> usize {
-        let across = normal.x * light.z - normal.z * light.x;
-        let facing = normal.x * light.x + normal.z * light.z;
+        let (azimuth, mirrored) = self.azimuth(light, normal);
         let tangent = direction.x * normal.z - direction.z * normal.x;
         let local = Vec3::new(
-            if across < 0.0 { -tangent } else { tangent },
+            if mirrored { -tangent } else { tangent },
             if light.axis_reversed { -direction.y } else { direction.y },
             direction.dot(normal),
         );
-        let azimuth = self.around.sector(facing, across.abs()).min(self.grid.azimuths() - 1);
         self.grid.cell(light.tilt, azimuth, self.exit.cell(&local))
+    }
+
+    /// Cell of light that comes in at one point of the section and leaves at another; both along their normals from the axis,
+    /// of any length.
+    #[inline(always)]
+    pub fn passage(&self, light: &LightSide, entry: &Vec3, exit: &Vec3) -> usize {
+        let (entered, entry_mirrored) = self.entry(light, entry);
+        let (azimuth, exit_mirrored) = self.azimuth(light, exit);
+        self.grid
+            .passage(light.tilt, entered, entry_mirrored != exit_mirrored, azimuth)
+    }
+
+    /// Entry cell of light that comes in at a point of the section, and whether that is on the side of negative azimuth.
+    #[inline(always)]
+    pub fn entry(&self, light: &LightSide, normal: &Vec3) -> (usize, bool) {
+        let (azimuth, mirrored) = self.azimuth(light, normal);
+        (azimuth.min(self.grid.entries() - 1), mirrored)
+    }
+
+    /// Azimuth cell of a point of the section, seen from the light, and whether it is on the side of negative azimuth.
+    #[inline(always)]
+    fn azimuth(&self, light: &LightSide, normal: &Vec3) -> (usize, bool) {
+        let across = normal.x * light.z - normal.z * light.x;
+        let facing = normal.x * light.x + normal.z * light.z;
+        let azimuth = self.around.sector(facing, across.abs()).min(self.grid.azimuths() - 1);
+        (azimuth, across < 0.0)
     }
 }

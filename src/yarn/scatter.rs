@@ -4,8 +4,9 @@ use crate::geometry::Vec3;
 use crate::optics::fresnel::{self, Interface};
 use std::f64::consts::{PI, TAU};
 
-/// How a yarn scatters light that met it anywhere across its width, by a table of f*: particles that forget where on the
-/// section they came in, as the light of a beam wider than the yarn does.
+/// How a yarn scatters light that meets it, by a table of f* and one of where on the section light leaves that came in
+/// at one place of it. The direction in which particles leave a place is taken as that of all light that leaves there, as f* has it,
+/// wherever it came in; and they leave at the place along the yarn where they came in.
 ///
 /// Directions and normals are components along (tangent, axis, normal) where the particle met the yarn; the normal of any
 /// other point of the section is (sin φ, 0, cos φ).
@@ -13,125 +14,136 @@ pub struct YarnScatter {
     grid: RadianceFactorGrid,
     cells: FactorCells,
     wavelengths: usize,
-    /// Of the light that enters and is not ballistic, the fraction that leaves through a cell and its mirror image:
-    /// cell × wavelength.
-    leaving: Vec<f64>,
-    /// Their sums over the cells: tilt × wavelength.
+    /// Of the light that enters at an entry cell and is not ballistic, the fraction that leaves at an azimuth cell:
+    /// passage × wavelength.
+    crossing: Vec<f64>,
+    /// Their sums over where light leaves: tilt × entry × wavelength.
     albedo: Vec<f64>,
-    /// Running sums over the cells of a tilt of the probability to choose them, 1 at the end.
-    chosen: Vec<f64>,
+    /// Of the light that leaves at an azimuth cell or its mirror image, the fraction that leaves through an exit cell: cell × wavelength.
+    leaving: Vec<f64>,
+    /// Running sums of the probability to choose an azimuth of an entry, and an exit cell of an azimuth; 1 at the end, or 0
+    /// where no light leaves.
+    azimuths_chosen: Vec<f64>,
+    exits_chosen: Vec<f64>,
 }
 
 /// Light that meets a yarn.
 #[derive(Clone, Copy, Debug)]
 pub struct Meeting {
     side: LightSide,
+    /// Its entry cell, numbered over the tilts.
+    entry: usize,
+    /// Of two mirror images of the cell, that on the side of negative azimuth.
+    mirrored: bool,
 }
 
-/// Where, in what direction, and through which cell a particle leaves.
+/// Where, in what direction, and by which passage and cell a particle leaves.
 #[derive(Clone, Copy, Debug)]
 pub struct Leaving {
     pub normal: Vec3,
     pub direction: Vec3,
+    passage: usize,
     cell: usize,
     probability: f64,
 }
 
 /// Nodes over the sines of a tilt cell and over the width of the yarn, of a smooth integrand.
 const TILT_NODES: usize = 8;
-const WIDTH_NODES: usize = 64;
+const WIDTH_NODES: usize = 72;
 
 impl YarnScatter {
-    /// `table` is f* on the grid, cell × wavelength, wavelength fastest.
-    pub fn new(yarn: &Yarn, grid: RadianceFactorGrid, table: &[f64]) -> Result<Self, YarnError> {
+    /// `table` is f* on the grid, cell × wavelength, and `passages` go with it, passage × wavelength, wavelength fastest.
+    pub fn new(yarn: &Yarn, grid: RadianceFactorGrid, table: &[f64], passages: &[f64]) -> Result<Self, YarnError> {
         let wavelengths = yarn.medium.grid().len();
         let exits = grid.surface().exit().cells();
-        let cells = grid.azimuths() * exits;
+        let mut crossing = Vec::with_capacity(passages.len());
+        let mut albedo = Vec::with_capacity(grid.tilts() * grid.entries() * wavelengths);
+        let mut azimuths_chosen = Vec::with_capacity(grid.passages());
+        let of_entry = 2 * grid.azimuths() * wavelengths;
+        for (entry, rows) in passages.chunks_exact(of_entry).enumerate() {
+            let tilts = grid.tilt_edges(entry / grid.entries());
+            let entering = scattered_or_absorbed(yarn, tilts, grid.entry_edges(entry % grid.entries()));
+            let first = crossing.len();
+            for row in rows.chunks_exact(wavelengths) {
+                let fractions = row.iter().zip(&entering);
+                crossing.extend(fractions.map(|(x, entering)| if *entering > 0.0 { x / entering } else { 0.0 }));
+            }
+            let here = &crossing[first..];
+            albedo.extend(sum_of_rows(here, wavelengths));
+            choose(here, wavelengths, &mut azimuths_chosen);
+        }
         let mut leaving = Vec::with_capacity(table.len());
-        let mut chosen = Vec::with_capacity(grid.cells());
-        let mut albedos = Vec::with_capacity(grid.tilts() * wavelengths);
-        for tilt in 0..grid.tilts() {
-            let entering = scattered_or_absorbed(yarn, grid.tilt_edges(tilt));
-            let rows = &table[tilt * cells * wavelengths..(tilt + 1) * cells * wavelengths];
+        let mut exits_chosen = Vec::with_capacity(grid.cells());
+        for (place, rows) in table.chunks_exact(exits * wavelengths).enumerate() {
+            let tilt = place / grid.azimuths();
             let first = leaving.len();
-            for (cell, row) in rows.chunks_exact(wavelengths).enumerate() {
-                let fraction = 1.0 / grid.radiance_factor_per_fraction(tilt, cell % exits);
-                leaving.extend(row.iter().zip(&entering).map(|(f, entering)| {
-                    if *entering > 0.0 { f * fraction / entering } else { 0.0 }
-                }));
+            for (exit, row) in rows.chunks_exact(wavelengths).enumerate() {
+                let fraction = 1.0 / grid.radiance_factor_per_fraction(tilt, exit);
+                leaving.extend(row.iter().map(|f| f * fraction));
             }
-            let here = &leaving[first..];
-            let mut albedo = vec![0.0; wavelengths];
-            for row in here.chunks_exact(wavelengths) {
-                albedo.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+            let here = &mut leaving[first..];
+            let whole = sum_of_rows(here, wavelengths);
+            for row in here.chunks_exact_mut(wavelengths) {
+                for (x, whole) in row.iter_mut().zip(&whole).filter(|(_, whole)| **whole > 0.0) {
+                    *x /= whole;
+                }
             }
-            // Each wavelength has an equal say in where particles go.
-            let say: Vec<f64> = albedo.iter().map(|a| if *a > 0.0 { 1.0 / a } else { 0.0 }).collect();
-            let total = albedo.iter().filter(|a| **a > 0.0).count().max(1) as f64;
-            let mut sum = 0.0;
-            for row in here.chunks_exact(wavelengths) {
-                sum += row.iter().zip(&say).map(|(x, say)| x * say).sum::<f64>() / total;
-                chosen.push(sum);
-            }
-            albedos.extend(albedo);
+            choose(here, wavelengths, &mut exits_chosen);
         }
         Ok(Self {
             cells: FactorCells::new(grid)?,
             grid,
             wavelengths,
+            crossing,
+            albedo,
             leaving,
-            albedo: albedos,
-            chosen,
+            azimuths_chosen,
+            exits_chosen,
         })
     }
 
     pub fn meet(&self, omega_in: &Vec3) -> Meeting {
+        let side = LightSide {
+            x: omega_in.x,
+            z: omega_in.z,
+            tilt: self.cells.tilt(omega_in.y.abs().min(1.0)),
+            axis_reversed: omega_in.y < 0.0,
+        };
+        let (entry, mirrored) = self.cells.entry(&side, &Vec3::z());
         Meeting {
-            side: LightSide {
-                x: omega_in.x,
-                z: omega_in.z,
-                tilt: self.cells.tilt(omega_in.y.abs().min(1.0)),
-                axis_reversed: omega_in.y < 0.0,
-            },
+            side,
+            entry: side.tilt * self.grid.entries() + entry,
+            mirrored,
         }
     }
 
     /// Fraction of light that is neither reflected nor ballistic that is not absorbed, at each wavelength.
     pub fn albedo(&self, meeting: &Meeting) -> &[f64] {
-        let tilt = meeting.side.tilt;
-        &self.albedo[tilt * self.wavelengths..(tilt + 1) * self.wavelengths]
+        &self.albedo[meeting.entry * self.wavelengths..(meeting.entry + 1) * self.wavelengths]
     }
 
-    /// Draws where a particle leaves, from four even numbers; `None` for a yarn that scatters nothing.
-    pub fn draw(&self, meeting: &Meeting, [u, v, w, side]: [f64; 4]) -> Option<Leaving> {
+    /// Draws where a particle leaves, from three even numbers; `None` for a yarn that scatters nothing.
+    pub fn draw(&self, meeting: &Meeting, [u, v, w]: [f64; 3]) -> Option<Leaving> {
         let exit = self.grid.surface().exit();
         let exits = exit.cells();
-        let of_tilt = self.grid.azimuths() * exits;
+        let azimuths = self.grid.azimuths();
         let LightSide {
             x,
             z,
             tilt,
             axis_reversed,
         } = meeting.side;
-        let sums = &self.chosen[tilt * of_tilt..(tilt + 1) * of_tilt];
-        let total = sums[of_tilt - 1];
-        let wanted = u * total;
-        let within = sums.partition_point(|sum| *sum <= wanted).min(of_tilt - 1);
-        let below = if within == 0 { 0.0 } else { sums[within - 1] };
-        let probability = (sums[within] - below) / total;
-        if !(total > 0.0 && probability > 0.0) {
-            return None;
-        }
-        // What is left of the number places the azimuth inside its cell; its own mirror image is as likely.
-        let rest = ((wanted - below) / (sums[within] - below)).clamp(0.0, 1.0);
-        let mirrored = side < 0.5;
-        let width = PI / self.grid.azimuths() as f64;
-        let from_light = ((within / exits) as f64 + rest) * width;
+        // What is left of a number places the particle inside the cell that it chose.
+        let at = Drawn::from(&self.azimuths_chosen[meeting.entry * 2 * azimuths..][..2 * azimuths], u)?;
+        let (opposite, azimuth) = (at.cell >= azimuths, at.cell % azimuths);
+        let mirrored = meeting.mirrored != opposite;
+        let from_light = (azimuth as f64 + at.rest) * PI / azimuths as f64;
         let phi = x.atan2(z) + if mirrored { -from_light } else { from_light };
-        let cell = within % exits;
-        let (row, column) = (cell / exit.phi_cells(), cell % exit.phi_cells());
+        let place = tilt * azimuths + azimuth;
+        let out = Drawn::from(&self.exits_chosen[place * exits..][..exits], v)?;
+        let (row, column) = (out.cell / exit.phi_cells(), out.cell % exit.phi_cells());
         let edge = |k: usize| (k as f64 * 0.5 * PI / exit.theta_cells() as f64).sin().powi(2);
-        let sin2 = edge(row) + v * (edge(row + 1) - edge(row));
+        let sin2 = edge(row) + out.rest * (edge(row + 1) - edge(row));
         let around = (column as f64 + w) * TAU / exit.phi_cells() as f64;
         let (sin, cos) = (sin2.sqrt(), (1.0 - sin2).max(0.0).sqrt());
         let tangent = sin * around.cos() * if mirrored { -1.0 } else { 1.0 };
@@ -144,29 +156,80 @@ impl YarnScatter {
                 axis,
                 cos * cos_phi - tangent * sin_phi,
             ),
-            cell: tilt * of_tilt + within,
-            probability,
+            passage: meeting.entry * 2 * azimuths + at.cell,
+            cell: place * exits + out.cell,
+            probability: at.probability * out.probability,
         })
     }
 
     /// What the weights of light that is neither reflected nor ballistic are worth after the draw, at each wavelength.
     pub fn worth(&self, leaving: &Leaving) -> impl Iterator<Item = f64> {
         let share = 1.0 / leaving.probability;
-        self.row(leaving.cell).iter().map(move |x| x * share)
+        self.rows(leaving.passage, leaving.cell).map(move |x| x * share)
     }
 
     /// Of light that is neither reflected nor ballistic, the fraction that leaves at a point of the section along a direction, per
     /// radian of azimuth and steradian perpendicular to the direction, at each wavelength: over the surface per radian, the radiance.
     pub fn radiance(&self, meeting: &Meeting, normal: &Vec3, direction: &Vec3) -> impl Iterator<Item = f64> {
         let cell = self.cells.cell(&meeting.side, normal, direction);
+        let passage = self.cells.passage(&meeting.side, &Vec3::z(), normal);
         let exit = self.grid.surface().exit();
-        let both_images = TAU / self.grid.azimuths() as f64;
-        let per = 1.0 / (both_images * exit.projected_solid_angle(cell % exit.cells()));
-        self.row(cell).iter().map(move |x| x * per)
+        let width = PI / self.grid.azimuths() as f64;
+        let per = 1.0 / (width * exit.projected_solid_angle(cell % exit.cells()));
+        self.rows(passage, cell).map(move |x| x * per)
     }
 
-    fn row(&self, cell: usize) -> &[f64] {
-        &self.leaving[cell * self.wavelengths..(cell + 1) * self.wavelengths]
+    /// Fractions that leave at a place of the section, through a cell.
+    fn rows(&self, passage: usize, cell: usize) -> impl Iterator<Item = f64> {
+        let crossing = &self.crossing[passage * self.wavelengths..][..self.wavelengths];
+        let leaving = &self.leaving[cell * self.wavelengths..][..self.wavelengths];
+        crossing.iter().zip(leaving).map(|(x, y)| x * y)
+    }
+}
+
+/// Sums over rows of as many wavelengths.
+fn sum_of_rows(rows: &[f64], wavelengths: usize) -> Vec<f64> {
+    let mut sums = vec![0.0; wavelengths];
+    for row in rows.chunks_exact(wavelengths) {
+        sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+    }
+    sums
+}
+
+/// Appends running sums of the probability to choose each row, in which each wavelength that leaves at all has an equal say.
+fn choose(rows: &[f64], wavelengths: usize, chosen: &mut Vec<f64>) {
+    let whole = sum_of_rows(rows, wavelengths);
+    let total = whole.iter().filter(|x| **x > 0.0).count().max(1) as f64;
+    let say: Vec<f64> = whole
+        .iter()
+        .map(|x| if *x > 0.0 { 1.0 / (x * total) } else { 0.0 })
+        .collect();
+    let mut sum = 0.0;
+    for row in rows.chunks_exact(wavelengths) {
+        sum += row.iter().zip(&say).map(|(x, say)| x * say).sum::<f64>();
+        chosen.push(sum);
+    }
+}
+
+/// A cell drawn by running sums of probability, and what is left of the even number that chose it.
+struct Drawn {
+    cell: usize,
+    probability: f64,
+    rest: f64,
+}
+
+impl Drawn {
+    fn from(sums: &[f64], even: f64) -> Option<Self> {
+        let total = *sums.last()?;
+        let wanted = even * total;
+        let cell = sums.partition_point(|sum| *sum <= wanted).min(sums.len() - 1);
+        let below = if cell == 0 { 0.0 } else { sums[cell - 1] };
+        let wide = sums[cell] - below;
+        (total > 0.0 && wide > 0.0).then(|| Self {
+            cell,
+            probability: wide / total,
+            rest: ((wanted - below) / wide).clamp(0.0, 1.0),
+        })
     }
 }
 
@@ -182,22 +245,24 @@ pub fn kept_by_straight_yarn(yarn: &Yarn, w: usize, entry: &Interface, sine: f64
     entering - entering * entering * x / (1.0 - r * x)
 }
 
-/// Mean of it over the width of the yarn and a tilt cell, at each wavelength.
-fn scattered_or_absorbed(yarn: &Yarn, [low, high]: [f64; 2]) -> Vec<f64> {
+/// Of all light of a tilt cell, the part that comes in between two azimuths from the light's meridian, or at their mirror image, and is
+/// kept, at each wavelength: its mean over the sines of the tilts.
+fn scattered_or_absorbed(yarn: &Yarn, tilts: [f64; 2], [from, to]: [f64; 2]) -> Vec<f64> {
     let medium = &yarn.medium;
-    let (low, high) = (low.sin(), high.sin());
-    let per_node = 1.0 / (TILT_NODES * WIDTH_NODES) as f64;
-    let mut mean = vec![0.0; medium.grid().len()];
-    for node in 0..TILT_NODES * WIDTH_NODES {
+    let [low, high] = tilts.map(f64::sin);
+    // The width as h = sin t, whose integrand stays smooth where the beam grazes.
+    let width_nodes = ((to - from) / (0.5 * PI) * WIDTH_NODES as f64).ceil() as usize;
+    let step = (to - from) / width_nodes as f64;
+    let mut kept = vec![0.0; medium.grid().len()];
+    for node in 0..TILT_NODES * width_nodes {
         let sine = low + (high - low) * ((node % TILT_NODES) as f64 + 0.5) / TILT_NODES as f64;
-        // The width as h = sin t, whose integrand stays smooth where the beam grazes.
-        let t = ((node / TILT_NODES) as f64 + 0.5) / WIDTH_NODES as f64 * 0.5 * PI;
+        let t = from + ((node / TILT_NODES) as f64 + 0.5) * step;
         let cos_in = t.cos() * (1.0 - sine * sine).sqrt();
-        for (w, mean) in mean.iter_mut().enumerate() {
+        for (w, kept) in kept.iter_mut().enumerate() {
             let index = medium.host_index()[w];
             let interface = fresnel::interface(cos_in, index);
-            *mean += per_node * 0.5 * PI * t.cos() * kept_by_straight_yarn(yarn, w, &interface, sine / index);
+            *kept += step / TILT_NODES as f64 * t.cos() * kept_by_straight_yarn(yarn, w, &interface, sine / index);
         }
     }
-    mean
+    kept
 }
