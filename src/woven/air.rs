@@ -97,6 +97,18 @@ pub(super) struct Landing {
     pub past: Past,
 }
 
+/// With what probability one particle goes on for all of the light that leaves a yarn one way and meets another, if it is below 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Survival {
+    /// The mean of its weights over the wavelengths: at most as many particles are then under way as came in, however many parts
+    /// the light of each is split into.
+    MeanWeight,
+    /// The largest of them: no weight of one that goes on is above 1, or above what it was. As each weighs 1 at one wavelength, at most as many are
+    /// under way as what is left of the light at all wavelengths adds up to. More particles for less noise of a wavelength that
+    /// goes farther than others; worth it where light is shown to views at every yarn.
+    LargestWeight,
+}
+
 /// The air between and around the yarns: takes light that leaves a yarn to the next, or out of the cloth.
 pub(super) struct Air<'a, D, R> {
     tubes: &'a Tubes,
@@ -110,6 +122,7 @@ pub(super) struct Air<'a, D, R> {
     /// Sums over particles, by wavelength, in the order of [`ClothLedger::fractions`].
     sums: Vec<[f64; ClothLedger::FRACTIONS]>,
     catching: Caught,
+    survival: Survival,
     caught: Vec<Vec<f64>>,
     light_above: bool,
 }
@@ -126,6 +139,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         backing: Option<&'a [f64]>,
         detector: &'a D,
         catching: Caught,
+        survival: Survival,
         rng: R,
         wavelengths: usize,
     ) -> Self {
@@ -139,6 +153,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             landed: Landed::default(),
             sums: vec![[0.0; ClothLedger::FRACTIONS]; wavelengths],
             catching,
+            survival,
             caught: vec![vec![0.0; wavelengths]; detector.bins()],
             light_above: true,
         }
@@ -185,9 +200,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         self.queues.iter().all(|queue| queue.arrivals.is_empty()) && self.landed.arrivals.is_empty()
     }
 
-    /// Follows light that leaves a yarn, or the backing. Where it meets another yarn, one particle goes on for all of it, with a
-    /// probability equal to the mean of its weights if that is below 1: then at most as many particles are under way as came in,
-    /// however many parts the light of each is split into.
+    /// Follows light that leaves a yarn, or the backing.
     pub fn launch(&mut self, origin: Vec3, direction: Vec3, weights: &[f64], past: Past) {
         let Some(hit) = self.tubes.first_hit(origin, direction) else {
             if self.backing.is_some() && (direction.z > 0.0) != self.light_above {
@@ -197,8 +210,11 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             }
             return;
         };
-        let mean = weights.iter().sum::<f64>() / self.wavelengths as f64;
-        let survival = mean.min(1.0);
+        let survival = match self.survival {
+            Survival::MeanWeight => weights.iter().sum::<f64>() / self.wavelengths as f64,
+            Survival::LargestWeight => weights.iter().copied().fold(0.0, f64::max),
+        }
+        .min(1.0);
         let survives = self.rng.random::<f64>() < survival;
         let worth = if survives { 1.0 / survival } else { 0.0 };
         for (sums, weight) in self.sums.iter_mut().zip(weights) {

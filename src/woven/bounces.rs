@@ -1,4 +1,4 @@
-use super::air::{Air, Arrival, Caught, Landing, Past, Spread};
+use super::air::{Air, Arrival, Caught, Landing, Past, Spread, Survival};
 use super::passage::{Passage, Skin};
 use super::sights::{Places, Seen, Sight};
 use super::straight::Straight;
@@ -133,7 +133,16 @@ impl Bounces<'_> {
             Some(_) => Caught::TurnedAfterFibres,
             None => Caught::All,
         };
-        let mut air = Air::new(self.tubes, self.backing, detector, catching, stream(0), wavelengths);
+        let survival = Survival::LargestWeight;
+        let mut air = Air::new(
+            self.tubes,
+            self.backing,
+            detector,
+            catching,
+            survival,
+            stream(0),
+            wavelengths,
+        );
         let mut rng = stream(1);
         let mut parts = Parts::new(wavelengths);
         let skins = self.skins();

@@ -1,4 +1,4 @@
-use super::air::{Air, Caught};
+use super::air::{Air, Caught, Survival};
 use super::bounces::{Bounces, Nothing, Parts};
 use super::{Beam, YarnSurface};
 use crate::cloth::{System, TubeHit, Tubes};
@@ -108,7 +108,16 @@ impl Sight {
         let tubes = light.tubes;
         let wavelengths = light.wavelengths();
         let stream = |k| Stream::open(light.seed, Purpose::Sights, number, batch, k);
-        let mut air = Air::new(tubes, light.backing, &Nothing, Caught::All, stream(0), wavelengths);
+        let survival = Survival::LargestWeight;
+        let mut air = Air::new(
+            tubes,
+            light.backing,
+            &Nothing,
+            Caught::All,
+            survival,
+            stream(0),
+            wavelengths,
+        );
         let mut rng = stream(1);
         let skins = light.skins();
         // What fibres reflect is shown where they do.

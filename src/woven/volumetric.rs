@@ -1,4 +1,4 @@
-use super::air::{Air, Caught, Past, Queue};
+use super::air::{Air, Caught, Past, Queue, Survival};
 use super::{Beam, ClothBatch, Detector, YarnSurface};
 use crate::cloth::{System, Tubes};
 use crate::geometry::Vec3;
@@ -68,6 +68,7 @@ impl Volumetric<'_> {
             self.backing,
             detector,
             Caught::All,
+            Survival::MeanWeight,
             next(),
             wavelengths,
         ));
