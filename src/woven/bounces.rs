@@ -16,9 +16,9 @@ use std::f64::consts::PI;
 /// Light scattered from yarn to yarn by their radiance factors.
 ///
 /// A particle that meets a yarn is, in part, reflected by its surface; the part that crosses without meeting a particle of the
-/// medium goes on through the smooth tube, refracted at each side; of the rest, the yarn's f* says how much leaves where on the
-/// section and in what direction. What a yarn makes of light is thus that of a beam wider than the yarn, and leaves over the place
-/// along the yarn where it came in.
+/// medium goes on through the smooth tube, refracted at each side; of the rest, a table that goes with the yarn's f* says how much
+/// leaves where on the section, by where on it light came in, and f* in what direction. All of it leaves at the place along the yarn
+/// where it came in.
 pub struct Bounces<'a> {
     pub tubes: &'a Tubes,
     /// Of warp and weft, with the same wavelengths.
