@@ -145,14 +145,16 @@ fn scatter(yarn: &Yarn, batch: usize) -> YarnScatter {
     YarnScatter::new(yarn, grid(), &batch.radiance_factor, &batch.passages).unwrap()
 }
 
-/// From each entry cell, on either side of the light and with light from either end of the yarn, as much leaves at each azimuth
+/// From the first, middle and last entry cell, on either side of the light and with light from either end of the yarn, as much leaves at each azimuth
 /// as of paths traced from there. False alarms: 3 × 3 × 4 × 12 × 2 values, 1.4e-2 together.
 #[test]
 fn light_leaves_where_it_does_when_traced_from_its_entry() {
     let yarn = yarn();
     let tables: Vec<YarnScatter> = (0..BATCHES).map(|batch| scatter(&yarn, batch)).collect();
     let grid = grid();
-    for (tilt, entry) in (0..grid.tilts()).flat_map(|tilt| (0..grid.entries()).map(move |entry| (tilt, entry))) {
+    for (tilt, entry) in
+        (0..grid.tilts()).flat_map(|tilt| (0..grid.entries()).step_by(4).map(move |entry| (tilt, entry)))
+    {
         let [low, high] = grid.tilt_edges(tilt).map(f64::sin);
         for (side, axis) in [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {
             let edges = grid.entry_edges(entry).map(|edge| side * edge);

@@ -198,10 +198,14 @@ impl SurfaceGrid {
     }
 
     fn sectors(&self) -> Result<Sectors, YarnError> {
-        Sectors::new(self.azimuths).ok_or(YarnError::Count {
+        Self::sectors_of(self.azimuths)
+    }
+
+    fn sectors_of(azimuths: usize) -> Result<Sectors, YarnError> {
+        Sectors::new(azimuths).ok_or(YarnError::Count {
             quantity: "azimuth cells around the yarn",
             expected: "a multiple of 4",
-            found: self.azimuths,
+            found: azimuths,
         })
     }
 }

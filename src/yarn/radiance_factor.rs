@@ -13,6 +13,8 @@ pub struct RadianceFactorGrid {
     surface: SurfaceGrid,
 }
 
+const ENTRIES: usize = 9;
+
 impl RadianceFactorGrid {
     /// `tilts` is 1 or more.
     pub fn new(tilts: usize, surface: SurfaceGrid) -> Result<Self, YarnError> {
@@ -44,9 +46,9 @@ impl RadianceFactorGrid {
     }
 
     /// Cells of a quarter of the section, from the light's meridian to where the light grazes: light comes in at one of them or
-    /// at its mirror image, of the same width as the cells it leaves at.
+    /// at its mirror image. They are 10° wide whatever the grid: a yarn's light between yarns is the same with narrower ones.
     pub fn entries(&self) -> usize {
-        self.azimuths() / 2
+        ENTRIES
     }
 
     /// Azimuths from the light's meridian between which entry cell k lies, radians.
@@ -225,6 +227,7 @@ pub(super) struct LightSide {
 pub(super) struct FactorCells {
     grid: RadianceFactorGrid,
     around: Sectors,
+    entry: Sectors,
     exit: CellFinder,
     /// Of the edges between tilt cells.
     sines: Vec<f64>,
@@ -234,6 +237,7 @@ impl FactorCells {
     pub fn new(grid: RadianceFactorGrid) -> Result<Self, YarnError> {
         Ok(Self {
             around: grid.surface.sectors()?,
+            entry: SurfaceGrid::sectors_of(4 * ENTRIES)?,
             exit: grid.surface.exit.finder(),
             sines: (1..grid.tilts).map(|k| grid.tilt_edges(k)[0].sin()).collect(),
             grid,
@@ -249,7 +253,7 @@ impl FactorCells {
     /// Cell of light that leaves at a surface `normal` along `direction`.
     #[inline(always)]
     pub fn cell(&self, light: &LightSide, normal: &Vec3, direction: &Vec3) -> usize {
-        let (azimuth, mirrored) = self.azimuth(light, normal);
+        let (azimuth, mirrored) = azimuth(&self.around, light, normal);
         let tangent = direction.x * normal.z - direction.z * normal.x;
         let local = Vec3::new(
             if mirrored { -tangent } else { tangent },
@@ -264,7 +268,7 @@ impl FactorCells {
     #[inline(always)]
     pub fn passage(&self, light: &LightSide, entry: &Vec3, exit: &Vec3) -> usize {
         let (entered, entry_mirrored) = self.entry(light, entry);
-        let (azimuth, exit_mirrored) = self.azimuth(light, exit);
+        let (azimuth, exit_mirrored) = azimuth(&self.around, light, exit);
         self.grid
             .passage(light.tilt, entered, entry_mirrored != exit_mirrored, azimuth)
     }
@@ -272,16 +276,16 @@ impl FactorCells {
     /// Entry cell of light that comes in at a point of the section, and whether that is on the side of negative azimuth.
     #[inline(always)]
     pub fn entry(&self, light: &LightSide, normal: &Vec3) -> (usize, bool) {
-        let (azimuth, mirrored) = self.azimuth(light, normal);
-        (azimuth.min(self.grid.entries() - 1), mirrored)
+        let (azimuth, mirrored) = azimuth(&self.entry, light, normal);
+        (azimuth.min(ENTRIES - 1), mirrored)
     }
+}
 
-    /// Azimuth cell of a point of the section, seen from the light, and whether it is on the side of negative azimuth.
-    #[inline(always)]
-    fn azimuth(&self, light: &LightSide, normal: &Vec3) -> (usize, bool) {
-        let across = normal.x * light.z - normal.z * light.x;
-        let facing = normal.x * light.x + normal.z * light.z;
-        let azimuth = self.around.sector(facing, across.abs()).min(self.grid.azimuths() - 1);
-        (azimuth, across < 0.0)
-    }
+/// Which of the sectors a point of the section lies in, seen from the light, and whether it is on the side of negative azimuth.
+#[inline(always)]
+fn azimuth(sectors: &Sectors, light: &LightSide, normal: &Vec3) -> (usize, bool) {
+    let across = normal.x * light.z - normal.z * light.x;
+    let facing = normal.x * light.x + normal.z * light.z;
+    let sector = sectors.sector(facing, across.abs()).min(sectors.count() / 2 - 1);
+    (sector, across < 0.0)
 }
