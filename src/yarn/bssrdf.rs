@@ -255,7 +255,8 @@ impl<'a> PatchTracer<'a> {
                     let factor = scale * seen * cosine;
                     let at = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
                     add_scaled(&mut values[at * wavelengths..][here.clone()], exit.weights, factor);
-                    let at = self.cells.passage(&light, &exit.entry, &exit.normal) - first_passage;
+                    let entry = self.cells.entry(&light, &exit.entry);
+                    let at = self.cells.passage(&light, entry, &exit.normal) - first_passage;
                     add_scaled(&mut passages[at * wavelengths..][here.clone()], exit.weights, factor);
                 },
             );

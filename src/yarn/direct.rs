@@ -112,7 +112,8 @@ impl<'a> DirectTracer<'a> {
                     if exit.scattered || fault::active(Fault::BallisticBinned) {
                         let cell = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
                         add_scaled(&mut values[cell * wavelengths..][here.clone()], exit.weights, 1.0);
-                        let passage = self.cells.passage(&light, &exit.entry, &exit.normal) - first_passage;
+                        let entry = self.cells.entry(&light, &exit.entry);
+                        let passage = self.cells.passage(&light, entry, &exit.normal) - first_passage;
                         add_scaled(
                             &mut passages[passage * wavelengths..][here.clone()],
                             exit.weights,

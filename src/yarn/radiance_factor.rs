@@ -263,17 +263,16 @@ impl FactorCells {
         self.grid.cell(light.tilt, azimuth, self.exit.cell(&local))
     }
 
-    /// Cell of light that comes in at one point of the section and leaves at another; both along their normals from the axis,
-    /// of any length.
+    /// Passage of light that comes in as [`Self::entry`] says and leaves at a point of the section.
     #[inline(always)]
-    pub fn passage(&self, light: &LightSide, entry: &Vec3, exit: &Vec3) -> usize {
-        let (entered, entry_mirrored) = self.entry(light, entry);
+    pub fn passage(&self, light: &LightSide, (entered, entry_mirrored): (usize, bool), exit: &Vec3) -> usize {
         let (azimuth, exit_mirrored) = azimuth(&self.around, light, exit);
         self.grid
             .passage(light.tilt, entered, entry_mirrored != exit_mirrored, azimuth)
     }
 
-    /// Entry cell of light that comes in at a point of the section, and whether that is on the side of negative azimuth.
+    /// Entry cell of light that comes in at a point of the section, along its normal of any length, and whether that is on the side of
+    /// negative azimuth.
     #[inline(always)]
     pub fn entry(&self, light: &LightSide, normal: &Vec3) -> (usize, bool) {
         let (azimuth, mirrored) = azimuth(&self.entry, light, normal);

@@ -33,8 +33,8 @@ pub struct Meeting {
     side: LightSide,
     /// Its entry cell, numbered over the tilts.
     entry: usize,
-    /// Of two mirror images of the cell, that on the side of negative azimuth.
-    mirrored: bool,
+    /// That within its tilt, and whether it is the one of two mirror images on the side of negative azimuth.
+    entered: (usize, bool),
 }
 
 /// Where, in what direction, and by which passage and cell a particle leaves.
@@ -109,11 +109,11 @@ impl YarnScatter {
             tilt: self.cells.tilt(omega_in.y.abs().min(1.0)),
             axis_reversed: omega_in.y < 0.0,
         };
-        let (entry, mirrored) = self.cells.entry(&side, &Vec3::z());
+        let entered = self.cells.entry(&side, &Vec3::z());
         Meeting {
             side,
-            entry: side.tilt * self.grid.entries() + entry,
-            mirrored,
+            entry: side.tilt * self.grid.entries() + entered.0,
+            entered,
         }
     }
 
@@ -136,7 +136,7 @@ impl YarnScatter {
         // What is left of a number places the particle inside the cell that it chose.
         let at = Drawn::from(&self.azimuths_chosen[meeting.entry * 2 * azimuths..][..2 * azimuths], u)?;
         let (opposite, azimuth) = (at.cell >= azimuths, at.cell % azimuths);
-        let mirrored = meeting.mirrored != opposite;
+        let mirrored = meeting.entered.1 != opposite;
         let from_light = (azimuth as f64 + at.rest) * PI / azimuths as f64;
         let phi = x.atan2(z) + if mirrored { -from_light } else { from_light };
         let place = tilt * azimuths + azimuth;
@@ -172,7 +172,7 @@ impl YarnScatter {
     /// radian of azimuth and steradian perpendicular to the direction, at each wavelength: over the surface per radian, the radiance.
     pub fn radiance(&self, meeting: &Meeting, normal: &Vec3, direction: &Vec3) -> impl Iterator<Item = f64> {
         let cell = self.cells.cell(&meeting.side, normal, direction);
-        let passage = self.cells.passage(&meeting.side, &Vec3::z(), normal);
+        let passage = self.cells.passage(&meeting.side, meeting.entered, normal);
         let exit = self.grid.surface().exit();
         let width = PI / self.grid.azimuths() as f64;
         let per = 1.0 / (width * exit.projected_solid_angle(cell % exit.cells()));
