@@ -34,10 +34,26 @@ pub enum Fault {
     AxisMirror,
     /// Absorbed light counted at half of what it is.
     HalfAbsorbed,
+    /// Camera rays jittered over half of their pixel alone.
+    HalfPixel,
+    /// The draft woven in its mirror image: the first warp last.
+    DraftMirrored,
+    /// The draft read with its wefts up where warps are: the cloth's back for its face.
+    FacesExchanged,
+    /// The plane of incidence along the warp, whatever the rig's azimuth.
+    AzimuthIgnored,
+    /// Centre lines of the mesh a tenth too low.
+    CrimpLow,
+    /// Light from the mirror side of the normal.
+    LightMirrored,
+    /// The gloss about the cloth's normal doubled.
+    GlossDoubled,
+    /// The shadow ray meets the yarn it starts on.
+    OwnShadow,
 }
 
 impl Fault {
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 22] = [
         Self::KappaSign,
         Self::FresnelPolarisation,
         Self::MissingCosine,
@@ -52,6 +68,14 @@ impl Fault {
         Self::DyeScale,
         Self::AxisMirror,
         Self::HalfAbsorbed,
+        Self::HalfPixel,
+        Self::DraftMirrored,
+        Self::FacesExchanged,
+        Self::AzimuthIgnored,
+        Self::CrimpLow,
+        Self::LightMirrored,
+        Self::GlossDoubled,
+        Self::OwnShadow,
     ];
 
     pub fn name(self) -> &'static str {
@@ -70,6 +94,14 @@ impl Fault {
             Self::DyeScale => "dye-scale",
             Self::AxisMirror => "axis-mirror",
             Self::HalfAbsorbed => "half-absorbed",
+            Self::HalfPixel => "half-pixel",
+            Self::DraftMirrored => "draft-mirrored",
+            Self::FacesExchanged => "faces-exchanged",
+            Self::AzimuthIgnored => "azimuth-ignored",
+            Self::CrimpLow => "crimp-low",
+            Self::LightMirrored => "light-mirrored",
+            Self::GlossDoubled => "gloss-doubled",
+            Self::OwnShadow => "own-shadow",
         }
     }
 }

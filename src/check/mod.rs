@@ -4,6 +4,7 @@
 //! [`Checked`] is rendered by [`table`], [`junit`], [`annotations`] and serde.
 
 mod baseline;
+mod camera;
 mod cloth;
 mod cylinder;
 mod gate;
@@ -14,6 +15,7 @@ mod rig;
 mod sample;
 mod symmetry;
 mod tables;
+mod weave;
 
 pub use baseline::{Baseline, BaselineError, Drift, Moved};
 pub use gate::{Gate, Judge, Law, Place, Verdict};
@@ -114,6 +116,11 @@ pub struct Context<'a> {
     widening: f64,
 }
 
+/// What shared paths carry is good to parts in 10⁶ of the incident flux (`transport::spectral`), what the others carry to
+/// rounding.
+const SINGLE_PRECISION: f64 = 1e-6;
+const DOUBLE_PRECISION: f64 = 1e-12;
+
 /// Gates with a chance to break, between whom the false alarms of a run are divided.
 const STOCHASTIC_GATES: f64 = 10.0;
 
@@ -124,6 +131,10 @@ impl<'a> Context<'a> {
             judge: Judge {
                 level: plan.study.check.false_alarms / STOCHASTIC_GATES,
                 paths: effort.paths,
+                precision: match plan.yarn.estimator_in_use() {
+                    Estimator::Shared => SINGLE_PRECISION,
+                    Estimator::Independent => DOUBLE_PRECISION,
+                },
             },
             batches: CheckEffort::BATCHES,
             cloth_batches: CheckEffort::CLOTH_BATCHES,
@@ -244,7 +255,11 @@ pub fn study(plan: &Plan, effort: CheckEffort, progress: Progress) -> Result<Che
         rig::diffuser(context),
         rig::shading(context),
         rig::lookup(context),
+        camera::pixels(context)?,
+        camera::rig_directions(context),
+        camera::mirror_gloss(context)?,
     ]);
+    gates.extend(weave::gates(context)?);
     progress(0.05);
     if passive.verdict == Verdict::Broken {
         gates.push(Gate::undecided(TRACED).with_note("not traced: the medium is not passive"));

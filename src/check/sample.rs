@@ -76,6 +76,7 @@ pub fn sample(name_or_path: &str, tolerances: &CheckSection) -> Result<Checked, 
     let judge = Judge {
         level: tolerances.false_alarms / STOCHASTIC_GATES,
         paths: 0,
+        precision: 0.0,
     };
     let curves = Curves {
         readings: sample.raw().collect(),

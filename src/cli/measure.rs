@@ -2,7 +2,7 @@ use super::stopping::beside;
 use super::{Failure, Options, Stopping, Terminal, full, state_beside, study};
 use serde::Serialize;
 use specval::report::{check_writable, effort_line, write_whole};
-use specval::run::{Plan, Simulator, StateFile, Watch};
+use specval::run::{Plan, RunError, Simulator, StateFile, Watch, grazing_notice};
 use specval::study::MethodChoice;
 use specval::transport::Estimate;
 use specval::woven::ClothLedger;
@@ -80,6 +80,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         };
         return full::run(&plan, method, &arguments.out, &arguments.full, options, terminal);
     }
+    let notice = grazing_notice(&plan).map_err(RunError::from)?;
     check_writable(&arguments.out)?;
     let energy_file = beside(&arguments.out, ".energy.csv");
     check_writable(&energy_file)?;
@@ -110,6 +111,10 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     if rule.precision.is_some() || rule.max_time.is_some() {
         // Only what the study does not say by itself; a comment to the reader of samples.
         text.extend(format!("# {effort}\n").into_bytes());
+    }
+    if let Some(notice) = &notice {
+        terminal.notice(notice);
+        text.extend(format!("# {notice}\n").into_bytes());
     }
     let mut csv = csv::Writer::from_writer(text);
     for row in &rows {

@@ -1,5 +1,6 @@
 use super::piece::Piece;
 use super::{ClothError, System};
+use crate::fault::{self, Fault};
 use std::f64::consts::PI;
 
 /// Shape of the yarns' centre lines.
@@ -213,7 +214,8 @@ impl CentreLine {
                 )
             }
         };
-        (sign * height, sign * slope)
+        let crimp = if fault::active(Fault::CrimpLow) { 0.9 } else { 1.0 };
+        (crimp * (sign * height), sign * slope)
     }
 
     /// Highest distance of the centre line from the cloth's middle plane.

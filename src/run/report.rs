@@ -1,6 +1,6 @@
 use super::curves::{channels, directions};
 use super::light::{LightBetween, lit_views};
-use super::{CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows};
+use super::{CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows, grazing_notice};
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{
     Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, Inputs, Propagation, Source, model_colour_ratios,
@@ -43,6 +43,7 @@ pub fn report(
     progress: Progress,
 ) -> Result<ReportData, RunError> {
     let mut notices = notices;
+    notices.extend(grazing_notice(plan)?);
     let mut fallbacks = Vec::new();
     let curves = &simulation.curves;
     let normal = normal_place(&curves.geometries);
