@@ -50,10 +50,12 @@ pub enum Fault {
     GlossDoubled,
     /// The shadow ray meets the yarn it starts on.
     OwnShadow,
+    /// A hundredth of the light that leaves the cloth is not counted.
+    ClothLoss,
 }
 
 impl Fault {
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::KappaSign,
         Self::FresnelPolarisation,
         Self::MissingCosine,
@@ -76,6 +78,7 @@ impl Fault {
         Self::LightMirrored,
         Self::GlossDoubled,
         Self::OwnShadow,
+        Self::ClothLoss,
     ];
 
     pub fn name(self) -> &'static str {
@@ -102,6 +105,7 @@ impl Fault {
             Self::LightMirrored => "light-mirrored",
             Self::GlossDoubled => "gloss-doubled",
             Self::OwnShadow => "own-shadow",
+            Self::ClothLoss => "cloth-loss",
         }
     }
 }

@@ -16,6 +16,7 @@ mod sample;
 mod symmetry;
 mod tables;
 mod weave;
+mod woven;
 
 pub use baseline::{Baseline, BaselineError, Drift, Moved};
 pub use gate::{Gate, Judge, Law, Place, Verdict};
@@ -277,6 +278,8 @@ pub fn study(plan: &Plan, effort: CheckEffort, progress: Progress) -> Result<Che
     gates.push(tables::two_roads(context)?);
     progress(0.2);
     gates.extend(symmetry::gates(context)?);
+    gates.push(woven::ledger(context)?);
+    gates.push(woven::furnace(context, &ledger::white_yarn(context)?)?);
     let (energy, of_cloth) = cloth.gates();
     gates.extend(energy);
     quantities.extend(of_cloth);

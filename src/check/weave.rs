@@ -29,28 +29,26 @@ const UNEVEN: &[&str] = &[".XX", "XX.", "X.X", "..X"];
 const OWN_CROSSINGS: usize = 64;
 
 /// A cloth with a known drawdown.
-struct Woven {
+struct Woven<'a> {
     name: &'static str,
-    cloth: Cloth,
+    cloth: &'a Cloth,
     tubes: Option<Tubes>,
-    spec: ClothSpec,
+    spec: &'a ClothSpec,
     warp_on_top: Box<dyn Fn(usize, usize) -> bool>,
     wefts: usize,
     warps: usize,
 }
 
-impl Woven {
-    fn of(name: &'static str, weave: Weave, rows: &'static [&'static str]) -> Result<Self, ClothError> {
-        let spec = ClothSpec {
-            weave,
-            segments_around: 16,
-            segments_along: 8,
-            ..ClothSpec::default()
-        };
+impl<'a> Woven<'a> {
+    fn of(
+        name: &'static str,
+        (spec, cloth): &'a (ClothSpec, Cloth),
+        rows: &'static [&'static str],
+    ) -> Result<Self, ClothError> {
         Ok(Self {
             name,
-            cloth: Cloth::new(&spec)?,
-            tubes: Some(Tubes::new(&spec)?),
+            cloth,
+            tubes: Some(Tubes::new(spec)?),
             spec,
             warp_on_top: Box::new(|i, j| rows[i].as_bytes()[j] == b'X'),
             wefts: rows.len(),
@@ -91,19 +89,31 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
         .map(|row| row.bytes().map(|x| x == b'X').collect())
         .collect();
     let custom = Draft::new(&rows).map(Weave::Custom).map_err(RunError::from)?;
+    let woven = |weave| -> Result<(ClothSpec, Cloth), ClothError> {
+        let spec = ClothSpec {
+            weave,
+            segments_around: 16,
+            segments_along: 8,
+            ..ClothSpec::default()
+        };
+        let cloth = Cloth::new(&spec)?;
+        Ok((spec, cloth))
+    };
+    let twill = woven(Weave::Twill21).map_err(RunError::from)?;
+    let uneven = woven(custom).map_err(RunError::from)?;
     let known = [
-        Woven::of("twill-2-1", Weave::Twill21, TWILL).map_err(RunError::from)?,
-        Woven::of("uneven draft", custom, UNEVEN).map_err(RunError::from)?,
+        Woven::of("twill-2-1", &twill, TWILL).map_err(RunError::from)?,
+        Woven::of("uneven draft", &uneven, UNEVEN).map_err(RunError::from)?,
     ];
     Ok([
-        crossings(context, &known)?,
+        crossings(context, &known),
         crowns(context, &known),
         shadows(context, &known[0]),
     ])
 }
 
 /// 1 for every wrong yarn.
-fn crossings(context: &Context, known: &[Woven]) -> Result<Gate, CheckError> {
+fn crossings(context: &Context, known: &[Woven]) -> Gate {
     let mut departures = Vec::new();
     let mut places = Vec::new();
     let mut test = |woven: &Woven| {
@@ -131,17 +141,17 @@ fn crossings(context: &Context, known: &[Woven]) -> Result<Gate, CheckError> {
         let draft = plan.cloth_spec.weave.draft();
         test(&Woven {
             name: "the study's cloth",
-            cloth: Cloth::new(&plan.cloth_spec).map_err(RunError::from)?,
+            cloth: &plan.cloth,
             tubes: None,
-            spec: plan.cloth_spec.clone(),
+            spec: &plan.cloth_spec,
             wefts: draft.yarns(System::Weft).min(OWN_CROSSINGS),
             warps: draft.yarns(System::Warp).min(OWN_CROSSINGS),
             warp_on_top: Box::new(move |i, j| draft.warp_on_top(i, j)),
         });
     }
-    Ok(context
+    context
         .judge
-        .exact(CROSSINGS, &departures, 0.0, |i| Place::named(places[i].clone())))
+        .exact(CROSSINGS, &departures, 0.0, |i| Place::named(places[i].clone()))
 }
 
 /// In yarn radii R. Equal round yarns that touch where they cross and share the crimp have their crowns 2R from the middle plane.

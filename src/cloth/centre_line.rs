@@ -1,6 +1,5 @@
 use super::piece::Piece;
 use super::{ClothError, System};
-use crate::fault::{self, Fault};
 use std::f64::consts::PI;
 
 /// Shape of the yarns' centre lines.
@@ -214,8 +213,7 @@ impl CentreLine {
                 )
             }
         };
-        let crimp = if fault::active(Fault::CrimpLow) { 0.9 } else { 1.0 };
-        (crimp * (sign * height), sign * slope)
+        (sign * height, sign * slope)
     }
 
     /// Highest distance of the centre line from the cloth's middle plane.

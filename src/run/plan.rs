@@ -190,7 +190,7 @@ impl Plan {
     }
 
     /// What becomes of light that the yarns reflect, if it goes on: a mirror sends it on but for a study of fibres.
-    pub(super) fn surface(&self, goes_on: bool) -> YarnSurface {
+    pub(crate) fn surface(&self, goes_on: bool) -> YarnSurface {
         match self.fibres {
             _ if !goes_on => YarnSurface::Lost,
             Some(gloss) => YarnSurface::Fibres(gloss),

@@ -1,5 +1,6 @@
 use super::{Beam, ClothBatch, ClothLedger, Detector, YarnSurface};
 use crate::cloth::{System, TubeHit, Tubes};
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
 
@@ -298,8 +299,9 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         } else {
             THROUGH_YARNS
         };
+        let counted = if fault::active(Fault::ClothLoss) { 0.99 } else { 1.0 };
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
-            sums[side] += weight;
+            sums[side] += counted * weight;
         }
         if self.catching == Caught::TurnedAfterFibres && past.spread != Spread::ByFibresBefore {
             return;
