@@ -138,29 +138,15 @@ fn false_alarms(runs: u64) -> Vec<(u64, Vec<&'static str>)> {
 }
 
 /// Studies at the ends of their keys' ranges, where laws hold and light is rare, all but absorbed, or turned by next to nothing.
-const VALID: [&str; 22] = [
-    "[medium]\nkappa_peak = 0.0",
+const VALID: [&str; 8] = [
     "[medium]\nkappa_peak = 0.1",
-    "[medium]\nkappa_peak = 10.0",
     "[medium]\nvolume_fraction = 0.0",
-    "[medium]\nvolume_fraction = 1e-9",
     "[medium]\nvolume_fraction = 1e-6",
-    "[medium]\nvolume_fraction = 1e-5",
     "[medium]\nhost_index = 1.0\nparticle_index = 1.05",
-    "[medium]\nhost_index = 1.0",
-    "[medium]\nhost_index = 1.02",
     "[medium]\nparticle_index = 1.557",
-    "[medium]\nparticle_index = 1.0",
-    "[medium]\nparticle_diameter_nm = 0.01",
     "[medium]\nparticle_diameter_nm = 1.0",
     "[medium]\nhost_mu_a_per_mm = 50.0",
-    "[medium]\nhost_mu_a_per_mm = 1e6",
     "[yarn]\nradius_mm = 1e-6",
-    "[yarn]\nradius_mm = 1.0",
-    "[cloth]\nspacing_diameters = 100.0",
-    "[cloth]\nweave = \"satin-5\"\nazimuth_deg = 37.0",
-    "[specular]\nroughness = 0.001\nweight = 1.0",
-    "[specular]\nsurface = \"fibres\"",
 ];
 
 #[test]
