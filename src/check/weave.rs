@@ -204,7 +204,7 @@ fn shadows(context: &Context, woven: &Woven) -> Gate {
                 omega_out_local: hit.frame.to_local(&Vec3::z()),
                 hit,
             });
-            let lit = |light: Vec3| seen.is_some_and(|point| point.light(&woven.cloth, &light).is_some());
+            let lit = |light: Vec3| seen.is_some_and(|point| point.light(woven.cloth, &light).is_some());
             let right = lit(Vec3::z()) && lit(-Vec3::z()) != shadowed_from_below;
             departures.push(f64::from(u8::from(!right)));
             let place = if shadowed_from_below { "at" } else { "behind" };
