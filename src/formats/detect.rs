@@ -2,6 +2,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 
 use super::FormatError;
+use super::encoding::beginning;
 use super::text::quoted;
 use super::{merl, utia};
 
@@ -98,7 +99,8 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<Format, Forma
     let expected = "a goniometric file: csv, ddr, ddt, sdr, sdt, ssdd, astm, merl, rgl, zemax, lighttools, radiance xml \
                     or utia";
     if head.is_empty() {
-        return Err(FormatError::file(path, expected, "an empty file"));
+        let remedy = "copy or export it again";
+        return Err(FormatError::file(path, expected, "an empty file", remedy));
     }
     if head.starts_with(b"tensor_file\0") {
         return Ok(Format::Rgl);
@@ -106,7 +108,16 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<Format, Forma
     if merl::begins(head) {
         return Ok(Format::Merl);
     }
-    let text = String::from_utf8_lossy(head);
+    if merl::begins_swapped(head) {
+        let found = "the header of a MERL file with its bytes in big-endian order";
+        let remedy = "reverse the bytes of each count (4 bytes) and of each value (8 bytes), or copy the original file";
+        return Err(FormatError::file(path, "little-endian numbers", found, remedy));
+    }
+    let text = beginning(head);
+    if is_web_page(&text) {
+        let remedy = "download the file itself: the page usually has a link named Raw or Download";
+        return Err(FormatError::file(path, expected, "a web page (HTML)", remedy));
+    }
     let of_text = of_text(text.trim_start_matches('\u{feff}'));
     // Numbers without a header may begin with any byte.
     if size == utia::SIZE && head.contains(&0) && of_text != Some(Format::Ssdd) {
@@ -116,11 +127,40 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<Format, Forma
         return Ok(format);
     }
     let found = format!("a file that begins with {}", quoted(&text));
-    Err(FormatError::file(path, expected, found))
+    let remedy = match other_kind(head) {
+        Some(kind) => format!("this is {kind}"),
+        None => "give the data file of the instrument, archive or renderer; `specval convert --help` lists the formats, and \
+                 spectra are read by `specval colour`"
+            .into(),
+    };
+    Err(FormatError::file(path, expected, found, remedy))
+}
+
+/// Whether a page of HTML begins, be it a reader's error page or the view of a file.
+fn is_web_page(text: &str) -> bool {
+    let lower = text.to_ascii_lowercase();
+    let page = ["<!doctype html", "<html", "<head>"].iter().filter_map(|tag| lower.find(tag)).min();
+    page.is_some_and(|at| lower.trim_start().starts_with('<') && lower.find("<windowelement").is_none_or(|bsdf| at < bsdf))
+}
+
+/// Kinds of files that are often taken for others, by their first bytes, with what to do.
+fn other_kind(head: &[u8]) -> Option<&'static str> {
+    let kinds: [(&[u8], &str); 8] = [
+        (b"PK\x03\x04", "a ZIP archive or a spreadsheet: unpack it, or save the sheet as CSV"),
+        (b"\x1f\x8b", "a gzip archive: unpack it"),
+        (b"\xfd7zXZ", "an xz archive: unpack it"),
+        (b"BZh", "a bzip2 archive: unpack it"),
+        (b"\xff\xd8\xff", "an image: give the table of values behind it"),
+        (b"\x89PNG", "an image: give the table of values behind it"),
+        (b"%PDF", "a PDF document: give the table of values behind it"),
+        (b"version https://git-lfs", "a pointer of Git LFS: fetch the file itself with `git lfs pull`"),
+    ];
+    kinds.into_iter().find(|(begins, _)| head.starts_with(begins)).map(|(_, kind)| kind)
 }
 
 fn of_text(text: &str) -> Option<Format> {
-    if text.trim_start().starts_with('<') {
+    // Programs may print a line or two before the XML.
+    if text.trim_start().starts_with('<') || text.contains("<?xml") || text.contains("<WindowElement") {
         return Some(Format::RadianceXml);
     }
     let (mut integra, mut ssdd) = (None, None);

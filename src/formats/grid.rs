@@ -170,6 +170,40 @@ impl Grid {
         ))
     }
 
+    /// The largest difference, relative to the larger, between values at azimuths a whole turn apart, which are of one
+    /// direction; 0 where the table has no two such azimuths.
+    pub(super) fn seam(&self) -> f64 {
+        let shape = self.shape();
+        let mut largest = 0.0f64;
+        for axis in [1, 3] {
+            let nodes = self.axes[axis].nodes_rad();
+            let last = nodes.len() - 1;
+            if last == 0 || (nodes[last] - nodes[0] - TAU).abs() > 1e-6 {
+                continue;
+            }
+            let [a, b, c] = match axis {
+                1 => [0, 2, 3],
+                _ => [0, 1, 2],
+            };
+            for place in 0..shape[a] * shape[b] * shape[c] {
+                let mut node = [0; 4];
+                node[a] = place / (shape[b] * shape[c]);
+                node[b] = place / shape[c] % shape[b];
+                node[c] = place % shape[c];
+                let mut end = node;
+                end[axis] = last;
+                for channel in 0..self.channels {
+                    let (first, end) = (self.at(node, channel), self.at(end, channel));
+                    let most = first.abs().max(end.abs());
+                    if most > 0.0 {
+                        largest = largest.max((first - end).abs() / most);
+                    }
+                }
+            }
+        }
+        largest
+    }
+
     /// Some nodes have no data.
     pub fn has_holes(&self) -> bool {
         self.has_holes

@@ -1,3 +1,4 @@
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use super::axis::Axis;
@@ -62,6 +63,9 @@ impl Scattered {
             return Err(Twice(pair[0].min(pair[1]), pair[0].max(pair[1])));
         }
         let sphere = directions == Directions::Sphere;
+        if let Some(pair) = contradiction(angles, channels, &values).filter(|_| sphere) {
+            return Err(pair);
+        }
         let isotropic = !sphere || angles.iter().all(|a| a[1] == angles[0][1]);
         let sides = || {
             angles
@@ -232,6 +236,27 @@ impl Scattered {
             sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
         }
     }
+}
+
+/// The first two readings whose azimuths differ by whole turns alone and whose values differ.
+fn contradiction(angles: &[Vec<f64>], channels: usize, values: &[f64]) -> Option<Twice> {
+    /// Rounding in a file of a few digits.
+    const SAME: f64 = 1e-3;
+    let mut seen: HashMap<Vec<i64>, usize> = HashMap::new();
+    let row = |reading: usize| &values[reading * channels..(reading + 1) * channels];
+    for (reading, angles) in angles.iter().enumerate() {
+        let turned = |(level, angle): (usize, &f64)| {
+            let angle = if level % 2 == 1 { angle.rem_euclid(TAU) } else { *angle };
+            let rounded = (angle * 1e9).round();
+            if level % 2 == 1 && rounded == (TAU * 1e9).round() { 0 } else { rounded as i64 }
+        };
+        let first = *seen.entry(angles.iter().enumerate().map(turned).collect()).or_insert(reading);
+        let differ = |(a, b): (&f64, &f64)| (a - b).abs() > SAME * a.abs().max(b.abs());
+        if row(first).iter().zip(row(reading)).any(differ) {
+            return Some(Twice(first, reading));
+        }
+    }
+    None
 }
 
 /// Readings around a place with their shares: two at each of four angles at most.
