@@ -63,7 +63,7 @@ fn scattered(
         text.error(
             at[twice.1],
             "every pair of directions once",
-            format!("that of{} again", text.place(at[twice.0])),
+            format!("the pair of{} again", text.place(at[twice.0]).to_string().trim_start_matches(',')),
             "keep one reading of the two, or their mean; azimuths 360 degrees apart are one direction",
         )
     })

@@ -148,10 +148,10 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
     let negative = warped.negative_above_horizon();
     if negative.count > 0 {
         if negative.sum >= negative.positive_sum {
-            let offset = file.field(name, F32)?.offset;
-            let found = format!("{} values below 0 that outweigh those above", negative.count);
-            let expected = format!("values of `{name}`, 0 or more");
-            return Err(FormatError::byte(path, offset, expected, found, remedy::NEGATIVE));
+            warnings.push(format!(
+                "the values of `{name}` below 0 outweigh those above it: check the sign of the data, or copy the file again in \
+                 binary mode"
+            ));
         }
         let cause = if channels == Channels::Rgb {
             "as colours outside the RGB space have them"

@@ -264,6 +264,7 @@ pub(crate) fn remedy_for(word: &str, range: &RangeInclusive<f64>) -> String {
         }
         Ok(value) if value.is_finite() => "check the unit of the number and its place in the file".into(),
         Ok(_) => remedy::NOT_FINITE.into(),
+        Err(_) if word.is_empty() => "fill in the value, or leave the line out".into(),
         Err(_) if word.contains(',') => "write a point as decimal mark and blanks between numbers".into(),
         Err(_) => "check the counts of angles and values before it: they say where numbers stand".into(),
     }
