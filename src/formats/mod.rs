@@ -9,9 +9,11 @@ mod detect;
 mod error;
 mod goniometric;
 mod grid;
+mod hemispherical;
 mod integra;
 mod klems;
 mod merl;
+mod pole;
 mod radiance;
 mod rgl;
 mod scattered;
@@ -34,6 +36,7 @@ pub use goniometric::{
     Channels, Component, Evaluation, Goniometric, Placement, Provenance, Quantity, Scatter, Side, Table, direction,
 };
 pub use grid::{Fold, Grid, Parameters};
+pub use hemispherical::Hemispherical;
 pub use klems::{KlemsBasis, KlemsMatrix};
 pub use scattered::{Directions, Scattered};
 pub use specular::SpecularTable;
@@ -91,7 +94,7 @@ pub fn parse(path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Goniomet
 }
 
 fn parse_as(format: Format, path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Goniometric, FormatError> {
-    match format {
+    let mut data = match format {
         Format::Csv => columns::read_csv(Text::new(path, bytes)?),
         Format::Ddr => integra::read_diffuse(Text::new(path, bytes)?, options),
         Format::Sdr => integra::read_specular(Text::new(path, bytes)?, options),
@@ -108,5 +111,7 @@ fn parse_as(format: Format, path: &str, bytes: &[u8], options: &ReadOptions) -> 
             "a goniometric file; `specval weave` reads drafts",
             "a weave draft (WIF)",
         )),
-    }
+    }?;
+    pole::give_one_value(&mut data);
+    Ok(data)
 }

@@ -277,11 +277,8 @@ fn matrix(xml: &Xml, definition: Element, blocks: &[Element], rows: bool) -> Res
     Ok(KlemsMatrix::new(incident, exiting, values))
 }
 
-/// A basis known by name, or as the file defines it.
+/// A basis as the file defines it, whatever its name; without blocks in the file, the one known by that name.
 fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<KlemsBasis, FormatError> {
-    if let Some(known) = KlemsBasis::named(name) {
-        return Ok(known);
-    }
     let is_it = |basis: &Element| {
         let title = basis.children().find(|n| n.has_tag_name_in_any_space("AngleBasisName"));
         title.is_some_and(|title| title.text().unwrap_or_default().trim() == name)
@@ -289,9 +286,11 @@ fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<Klem
     let mut bases = definition
         .children()
         .filter(|n| n.has_tag_name_in_any_space("AngleBasis"));
-    let found = bases.find(is_it);
-    let found =
-        found.ok_or_else(|| xml.error(at, "an angle basis known by name or defined in the file", quoted(name)))?;
+    let has_blocks = |basis: &Element| basis.children().any(|n| n.has_tag_name_in_any_space("AngleBasisBlock"));
+    let Some(found) = bases.find(|basis| is_it(basis) && has_blocks(basis)) else {
+        let expected = "an angle basis known by name or defined in the file";
+        return KlemsBasis::named(name).ok_or_else(|| xml.error(at, expected, quoted(name)));
+    };
     let mut limits = vec![0.0];
     let mut patches = Vec::new();
     for ring in found
@@ -301,7 +300,9 @@ fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<Klem
         let bounds = ring.children().find(|n| n.has_tag_name_in_any_space("ThetaBounds"));
         let bounds = bounds.ok_or_else(|| xml.error(ring, "an element <ThetaBounds> in it", "none"))?;
         let (lower, upper) = (xml.number(bounds, "LowerTheta")?, xml.number(bounds, "UpperTheta")?);
-        if limits.last() != Some(&lower) {
+        /// Programs write bounds with few digits.
+        const SAME_DEG: f64 = 1e-3;
+        if limits.last().is_none_or(|last| (last - lower).abs() > SAME_DEG) {
             return Err(xml.error(bounds, "a <LowerTheta> where the last block ended", lower.to_string()));
         }
         limits.push(upper);

@@ -160,11 +160,6 @@ pub(super) fn diffuse(
     let grid = SpecularGrid::of(component, Format::Ddr, notices)?;
     let scale = if grid.quantity == Quantity::Bsdf { PI } else { 1.0 };
     let values = mapped(grid.values, &component.channels, notices)?;
-    let data = if grid.quantity == Quantity::BsdfCosine {
-        "Intensity"
-    } else {
-        "Luminance"
-    };
     let symmetry = match (grid.fold, grid.psi_deg.len(), grid.phi_deg.len()) {
         (_, 1, 1) => "AxiSymmetrical",
         (Fold::Mirror, ..) => "PlaneSymmetrical",
@@ -172,7 +167,7 @@ pub(super) fn diffuse(
         _ => "ASymmetrical 4D",
     };
     let mut text = format!(
-        ";; specval {}\nSource {}\nTypeSym {symmetry}\nTypeColorModel {}\nTypeData {data} Absolute\n",
+        ";; specval {}\nSource {}\nTypeSym {symmetry}\nTypeColorModel {}\nTypeData Luminance Absolute\n",
         env!("CARGO_PKG_VERSION"),
         source(provenance),
         colour_model(&component.channels)
