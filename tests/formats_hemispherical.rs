@@ -47,7 +47,9 @@ fn narrow_lobes_are_integrated_at_their_nodes() {
 fn radiance_files_have_the_values_of_radiance() {
     let normal = Vec3::z();
     let tree = load("ttree3_small.xml");
-    assert!((bsdf(&tree, &normal, &normal) - 0.26).abs() < 0.005);
+    // The function is 0.26 there, its leaves around are 0.2476, 0.2527, 0.2557 and 0.2608.
+    let found = bsdf(&tree, &normal, &normal);
+    assert!((found - 0.2542).abs() < 1e-4, "{found}");
     // Sums over leaves are those over directions, here by an even rule of 200 × 400 points.
     for theta in [0.0, 40.0, 80.0] {
         let omega_in = degrees(theta, 30.0);
@@ -61,14 +63,12 @@ fn radiance_files_have_the_values_of_radiance() {
         assert!((found / sum - 1.0).abs() < 1e-3 && error == 0.0, "{theta}: {found} {sum}");
     }
     let half = load("klems_half_bsdf2klems.xml");
-    let iso = |i: &Vec3, o: &Vec3| {
-        0.2 + 0.08 * (i.x * o.x + i.y * o.y) + 0.05 * (i.x * o.y - i.y * o.x) + 0.06 * i.z * o.z
-    };
-    for (theta_i, theta_o) in [(0.0, 0.0), (13.0, 52.0), (65.0, 39.0), (80.0, 26.0)] {
-        let (i, o) = (degrees(theta_i, 90.0), degrees(theta_o, 180.0));
-        let found = bsdf(&half, &i, &o);
-        assert!((found - iso(&i, &o)).abs() < 0.02, "{theta_i} {theta_o}: {found} {}", iso(&i, &o));
+    // Summed from the numbers of the file, of the first column and of that of the patch at 26 degrees, azimuth 90.
+    for (theta, expected) in [(0.0, 0.441278057), (26.0, 0.441190034)] {
+        let (found, error) = reflectance(&half, theta, 270.0);
+        assert!((found - expected).abs() < 1e-8 && error == 0.0, "{theta}: {found}");
     }
+    assert!((bsdf(&half, &normal, &normal) - 0.2901).abs() < 1e-9);
 }
 
 /// A basis is as the file's blocks say, whatever its name; without blocks it is the one of that name.
@@ -110,9 +110,9 @@ fn intensity_tables_are_interpolated_as_f() {
         let found = bsdf(&data, &degrees(theta_i, 0.0), &degrees(theta_o, phi));
         assert!((found - 0.3).abs() < 1e-6, "{theta_i} {theta_o}: {found}");
     }
-    for theta in [0.0, 30.0] {
-        let (found, _) = reflectance(&data, theta, 0.0);
-        assert!((found - 0.3 * PI).abs() < 1e-4, "{found}");
+    for theta in [0.0f64, 30.0] {
+        let found = data.components[0].directional_hemispherical(theta.to_radians(), 0.0).unwrap();
+        assert!((found.values[0] - 0.3 * PI * found.measured).abs() < 1e-4, "{found:?}");
     }
     assert!(data.warnings.iter().any(|w| w.contains("horizon")), "{:?}", data.warnings);
 }

@@ -32,27 +32,41 @@ impl TensorTree {
 
     pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
         let mut place = self.incident_place(omega_in);
-        let out = if self.rank == 4 {
-            square(omega_out.x, omega_out.y)
-        } else {
+        let outgoing = self.rank - 2..self.rank;
+        if self.rank == 4 {
+            place[outgoing].copy_from_slice(&square(omega_out.x, omega_out.y));
+            return Some((self.at(place).0, Placement::InCell));
+        }
+        let sin = omega_in.x.hypot(omega_in.y);
+        if sin > 1e-9 {
             // Turned so that the light comes from azimuth 180 degrees.
-            let sin = omega_in.x.hypot(omega_in.y);
-            let (c, s) = if sin > 1e-12 {
-                (-omega_in.x / sin, -omega_in.y / sin)
-            } else {
-                (1.0, 0.0)
-            };
-            square(c * omega_out.x + s * omega_out.y, c * omega_out.y - s * omega_out.x)
-        };
-        place[self.rank - 2..self.rank].copy_from_slice(&out);
-        Some((self.at(place).0, Placement::InCell))
+            let (c, s) = (-omega_in.x / sin, -omega_in.y / sin);
+            let turned = square(c * omega_out.x + s * omega_out.y, c * omega_out.y - s * omega_out.x);
+            place[outgoing].copy_from_slice(&turned);
+            return Some((self.at(place).0, Placement::InCell));
+        }
+        // Light from the normal has no azimuth: the mean over turns of the sample.
+        const TURNS: usize = 8;
+        let (r, phi) = (omega_out.x.hypot(omega_out.y).max(1e-9), omega_out.y.atan2(omega_out.x));
+        let mut mean = vec![0.0; self.channels()];
+        for turn in 0..TURNS {
+            let phi = phi + (turn as f64 + 0.5) / TURNS as f64 * 2.0 * PI;
+            place[outgoing.clone()].copy_from_slice(&square(r * phi.cos(), r * phi.sin()));
+            let values = self.at(place).0;
+            mean.iter_mut().zip(values).for_each(|(sum, v)| *sum += v / TURNS as f64);
+        }
+        Some((mean, Placement::InCell))
+    }
+
+    fn channels(&self) -> usize {
+        if self.trees.len() == 3 { 3 } else { 1 }
     }
 
     /// ∫ f cos θ_out dω_out a channel, of light from a direction: exact, as f is constant on the leaves and the map from
     /// the disc of projected directions to the square keeps areas.
     pub(super) fn hemispherical(&self, omega_in: &Vec3) -> Vec<f64> {
         let place = self.incident_place(omega_in);
-        let mut sums = vec![0.0; if self.trees.len() == 3 { 3 } else { 1 }];
+        let mut sums = vec![0.0; self.channels()];
         self.add(place, [0.0, 0.0], 0, &mut sums);
         sums
     }

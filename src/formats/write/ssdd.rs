@@ -3,7 +3,7 @@ use std::fmt::Write;
 
 use super::super::integra::degrees;
 use super::super::{
-    Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side, SpecularTable, Table,
+    Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Scatter, Side, SpecularTable, Table,
 };
 use super::integra::{SpecularGrid, line};
 use super::{Encoding, WriteError};
