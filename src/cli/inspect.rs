@@ -1,7 +1,7 @@
 use super::{Failure, Terminal};
 use serde::Serialize;
 use specval::formats::{
-    self, AngleUnit, Axis, Channels, Component, Fold, Goniometric, Parameters, Provenance, Quantity, ReadOptions,
+    self, AngleUnit, Axis, Channels, Component, Fold, Goniometric, Hemispherical, Parameters, Provenance, Quantity, ReadOptions,
     Scatter, Side, Table,
 };
 use std::fmt::Write;
@@ -90,6 +90,8 @@ struct AxisRow {
 struct Reflectance {
     theta_i_deg: f64,
     values: Vec<f64>,
+    /// Estimated errors of the integration, not of the measurement.
+    errors: Vec<f64>,
     /// Share of the projected hemisphere that was measured.
     measured: f64,
 }
@@ -141,14 +143,24 @@ fn part(component: &Component) -> Part {
     };
     let reflectance = component.incidences_deg().into_iter().filter_map(|theta_i_deg| {
         let theta_i_rad = theta_i_deg.to_radians();
-        let (values, measured) = match &component.table {
-            Table::Specular(table) => (table.fraction(theta_i_rad, 0.0)?, 1.0),
+        let found = match &component.table {
+            Table::Specular(table) => {
+                let values = table.fraction(theta_i_rad, 0.0)?;
+                let errors = vec![0.0; values.len()];
+                let measured = 1.0;
+                Hemispherical {
+                    values,
+                    errors,
+                    measured,
+                }
+            }
             _ => component.directional_hemispherical(theta_i_rad, 0.0)?,
         };
         Some(Reflectance {
             theta_i_deg,
-            values,
-            measured,
+            values: found.values,
+            errors: found.errors,
+            measured: found.measured,
         })
     });
     Part {
@@ -248,11 +260,12 @@ fn text(of: &Inspection) -> String {
             let _ = writeln!(text, "{:<14} {shown} deg", axis.name);
         }
         if !part.reflectance.is_empty() {
-            let _ = writeln!(text, "theta_i, deg   hemispherical, a value a channel");
+            let _ = writeln!(text, "theta_i, deg   hemispherical, a value a channel, and the largest error of its integration");
         }
         for r in &part.reflectance {
             let values: Vec<String> = r.values.iter().map(|v| format!("{v:.6}")).collect();
-            let _ = writeln!(text, "{:<14} {}", r.theta_i_deg, values.join(" "));
+            let error = r.errors.iter().copied().fold(0.0, f64::max);
+            let _ = writeln!(text, "{:<14} {} ± {error:.1e}", r.theta_i_deg, values.join(" "));
         }
     }
     for warning in &of.warnings {

@@ -70,6 +70,28 @@ impl Axis {
         self.beyond == Beyond::Everything
     }
 
+    /// Share of the axis that each node stands for: half the gaps to its neighbours. They add up to 1.
+    pub(super) fn shares(&self) -> Vec<f64> {
+        let nodes = &self.nodes_rad;
+        let last = nodes.len() - 1;
+        if last == 0 {
+            return vec![1.0];
+        }
+        let mut shares = vec![0.0; nodes.len()];
+        for (below, pair) in nodes.windows(2).enumerate() {
+            shares[below] += pair[1] - pair[0];
+            shares[below + 1] += pair[1] - pair[0];
+        }
+        if let Beyond::First(period) = self.beyond {
+            let gap = (nodes[0] + period - nodes[last]).max(0.0);
+            shares[0] += gap;
+            shares[last] += gap;
+        }
+        let total: f64 = shares.iter().sum();
+        shares.iter_mut().for_each(|share| *share /= total);
+        shares
+    }
+
     /// `None` outside what was measured.
     pub(super) fn locate(&self, angle_rad: f64) -> Option<Between> {
         let nodes = &self.nodes_rad;

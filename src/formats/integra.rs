@@ -1,7 +1,7 @@
 //! Integra's `.ddr`, `.ddt` (diffuse) and `.sdr`, `.sdt` (specular): words separated by white space, `;;` begins a
 //! comment. Reflection and transmission differ by the file's name alone.
 //!
-//! Diffuse values are k v with k of the `kbdf` list: π f (`Luminance`) or f cos θ_out (`Intensity`). `Relative` tables
+//! Diffuse values are k v with k of the `kbdf` list: π f (`Luminance`) or f cos θ_out (`Intensity`, kept as f). `Relative` tables
 //! are scaled so that the directional-hemispherical reflectance of each incidence and channel is k.
 
 use std::f64::consts::TAU;
@@ -117,7 +117,7 @@ pub(super) fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniomet
     };
     let order = [4, 1, 0, 3, 2];
     let parameters = Parameters::Specular { offsets_rad };
-    let grid = Grid::new(
+    let mut grid = Grid::new(
         parameters,
         [sigma, psi, theta, phi],
         header.fold,
@@ -125,6 +125,16 @@ pub(super) fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniomet
         order,
         values,
     );
+    if header.quantity == Quantity::BsdfCosine {
+        let held = grid.divide_by_cosine();
+        header.quantity = Quantity::Bsdf;
+        if held > 0 {
+            header.warnings.push(format!(
+                "{held} of {} nodes are at the horizon or below, where f cos theta_o is 0: f there is that of the nearest node above",
+                tables * table
+            ));
+        }
+    }
     let mut component = Component {
         scatter,
         side: Side::Front,
@@ -160,12 +170,12 @@ fn make_absolute(
     let sigma_count = header.sigma_deg.len();
     for (p, psi) in psi_deg.iter().enumerate() {
         for (s, sigma) in header.sigma_deg.iter().enumerate() {
-            let found = component.directional_hemispherical(sigma.to_radians(), psi.to_radians());
+            let found = component.integrated(sigma.to_radians(), psi.to_radians());
             for (channel, wanted) in wanted.iter().enumerate() {
                 let Some(k) = wanted.map(|k| k[p * sigma_count + s]) else {
                     continue;
                 };
-                let reflectance = found.as_ref().map_or(0.0, |(values, _)| values[channel]);
+                let reflectance = found.as_ref().map_or(0.0, |found| found.values[channel]);
                 let by = if k == 0.0 { 0.0 } else { k / reflectance };
                 if !by.is_finite() {
                     let expected = format!("a table that can be scaled to the reflectance {k}");

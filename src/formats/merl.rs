@@ -80,20 +80,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         let remedy = "check the sign of the data: such a file holds nothing";
         return Err(FormatError::byte(path, HEADER, expected, "negative ones alone", remedy));
     }
-    let axes = [
-        Axis::held((0..THETA_H).map(theta_h_rad).collect()),
-        Axis::azimuth(vec![0.0], TAU),
-        Axis::held((0..THETA_D).map(|i| (i as f64).to_radians()).collect()),
-        Axis::azimuth((0..PHI_D).map(|i| (i as f64).to_radians()).collect(), PI),
-    ];
-    let grid = Grid::new(
-        Parameters::HalfDifference,
-        axes,
-        Fold::HalfTurn,
-        3,
-        [4, 1, 0, 2, 3],
-        values,
-    );
+    let grid = grid(values);
     Ok(Goniometric {
         format: Format::Merl,
         provenance: Provenance::default(),
@@ -106,6 +93,30 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         }],
         warnings: vec!["MERL files state neither their RGB primaries nor any provenance".into()],
     })
+}
+
+/// A table of these values in 1/sr, planes one after the other; NaN where there are no data.
+fn grid(values: Vec<f64>) -> Grid {
+    let axes = [
+        Axis::held((0..THETA_H).map(theta_h_rad).collect()),
+        Axis::azimuth(vec![0.0], TAU),
+        Axis::held((0..THETA_D).map(|i| (i as f64).to_radians()).collect()),
+        Axis::azimuth((0..PHI_D).map(|i| (i as f64).to_radians()).collect(), PI),
+    ];
+    Grid::new(
+        Parameters::HalfDifference,
+        axes,
+        Fold::HalfTurn,
+        3,
+        [4, 1, 0, 2, 3],
+        values,
+    )
+}
+
+/// As [`bytes`] are read.
+pub(super) fn table(rgb: &[Option<[f64; 3]>]) -> Grid {
+    let planes = (0..3).flat_map(|channel| rgb.iter().map(move |node| node.map_or(f64::NAN, |values| values[channel])));
+    grid(planes.collect())
 }
 
 fn theta_h_rad(index: usize) -> f64 {

@@ -10,9 +10,11 @@ mod encoding;
 mod error;
 mod goniometric;
 mod grid;
+mod hemispherical;
 mod integra;
 mod klems;
 mod merl;
+mod pole;
 mod radiance;
 mod rgl;
 mod scattered;
@@ -35,6 +37,7 @@ pub use goniometric::{
     Channels, Component, Evaluation, Goniometric, Placement, Provenance, Quantity, Scatter, Side, Table, direction,
 };
 pub use grid::{Fold, Grid, Parameters};
+pub use hemispherical::Hemispherical;
 pub use klems::{KlemsBasis, KlemsMatrix};
 pub use scattered::{Directions, Scattered};
 pub use specular::SpecularTable;
@@ -97,6 +100,7 @@ fn parse_as(format: Format, path: &str, bytes: &[u8], options: &ReadOptions) -> 
     /// Below it values that differ are taken as rounded.
     const SEAM: f64 = 1e-3;
     let mut data = parse_values(format, path, bytes, options)?;
+    pole::give_one_value(&mut data);
     for component in &data.components {
         if let Table::Grid(grid) = &component.table
             && grid.seam() > SEAM

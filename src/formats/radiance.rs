@@ -335,11 +335,8 @@ fn matrix(
     Ok(KlemsMatrix::new(incident, exiting, values))
 }
 
-/// A basis known by name, or as the file defines it.
+/// A basis as the file defines it, whatever its name; without blocks in the file, the one known by that name.
 fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<KlemsBasis, FormatError> {
-    if let Some(known) = KlemsBasis::named(name) {
-        return Ok(known);
-    }
     let is_it = |basis: &Element| {
         let title = basis.children().find(|n| n.has_tag_name_in_any_space("AngleBasisName"));
         title.is_some_and(|title| title.text().unwrap_or_default().trim() == name)
@@ -347,12 +344,12 @@ fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<Klem
     let mut bases = definition
         .children()
         .filter(|n| n.has_tag_name_in_any_space("AngleBasis"));
-    let found = bases.find(is_it);
-    let found =
-        found.ok_or_else(|| {
-            let expected = "an angle basis known by name or defined in the file";
-            xml.error(at, expected, quoted(name), "add its <AngleBasis> to <DataDefinition>")
-        })?;
+    let has_blocks = |basis: &Element| basis.children().any(|n| n.has_tag_name_in_any_space("AngleBasisBlock"));
+    let Some(found) = bases.find(|basis| is_it(basis) && has_blocks(basis)) else {
+        let expected = "an angle basis known by name or defined in the file";
+        let remedy = "add its <AngleBasis> to <DataDefinition>";
+        return KlemsBasis::named(name).ok_or_else(|| xml.error(at, expected, quoted(name), remedy));
+    };
     let mut limits = vec![0.0];
     let mut patches = Vec::new();
     for ring in found
@@ -362,7 +359,9 @@ fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<Klem
         let bounds = ring.children().find(|n| n.has_tag_name_in_any_space("ThetaBounds"));
         let bounds = bounds.ok_or_else(|| xml.missing(ring, "ThetaBounds"))?;
         let (lower, upper) = (xml.number(bounds, "LowerTheta")?, xml.number(bounds, "UpperTheta")?);
-        if limits.last() != Some(&lower) {
+        /// Programs write bounds with few digits.
+        const SAME_DEG: f64 = 1e-3;
+        if limits.last().is_none_or(|last| (last - lower).abs() > SAME_DEG) {
             let remedy = "order the blocks from the normal outwards, without gaps, in degrees";
             let expected = "a <LowerTheta> where the last block ended";
             return Err(xml.error(bounds, expected, lower.to_string(), remedy));

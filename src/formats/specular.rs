@@ -39,12 +39,17 @@ impl SpecularTable {
         &self.values[node * self.channels..(node + 1) * self.channels]
     }
 
-    /// Fractions at a direction of incidence; `None` outside what was measured.
+    /// Fractions at a direction of incidence, at the normal the mean over azimuth; `None` outside what was measured.
     pub fn fraction(&self, theta_i_rad: f64, phi_i_rad: f64) -> Option<Vec<f64>> {
         let theta = self.incidence.locate(theta_i_rad)?;
-        let phi = self.azimuth.locate(phi_i_rad)?;
+        let azimuths: Vec<(usize, f64)> = if theta_i_rad.abs() < 1e-5 {
+            self.azimuth.shares().into_iter().enumerate().collect()
+        } else {
+            let phi = self.azimuth.locate(phi_i_rad)?;
+            vec![(phi.below, 1.0 - phi.t), (phi.above, phi.t)]
+        };
         let mut values = vec![0.0; self.channels];
-        for (azimuth, weight_phi) in [(phi.below, 1.0 - phi.t), (phi.above, phi.t)] {
+        for (azimuth, weight_phi) in azimuths {
             for (incidence, weight_theta) in [(theta.below, 1.0 - theta.t), (theta.above, theta.t)] {
                 for (sum, value) in values.iter_mut().zip(self.at(incidence, azimuth)) {
                     *sum += weight_phi * weight_theta * value;

@@ -236,6 +236,18 @@ impl Warped {
         }
     }
 
+    /// Polar angles of half vectors in radians at which the warp, the distribution of normals or, without a warp, the values have
+    /// their nodes.
+    pub(super) fn polar_nodes(&self) -> Vec<f64> {
+        let a = &self.arrays;
+        let mut columns = vec![a.vndf_shape[1], a.ndf_shape[1]];
+        if self.is_unwarped() {
+            columns.push(a.size);
+        }
+        let nodes = columns.into_iter().flat_map(|n| (0..n).map(move |k| k as f64 / (n - 1) as f64));
+        nodes.map(|x| x * x * FRAC_PI_2).collect()
+    }
+
     pub(super) fn incidences_rad(&self) -> Vec<f64> {
         self.arrays.theta_i.clone()
     }
