@@ -4,6 +4,8 @@ use std::ops::RangeInclusive;
 use super::FormatError;
 use super::text::quoted;
 use super::{merl, utia};
+use crate::text::encoding::beginning;
+use crate::text::is_titled;
 
 /// A file format. It is told by what a file holds, never by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -106,8 +108,8 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<Format, Forma
     if merl::begins(head) {
         return Ok(Format::Merl);
     }
-    let text = String::from_utf8_lossy(head);
-    let of_text = of_text(text.trim_start_matches('\u{feff}'));
+    let text = beginning(head);
+    let of_text = of_text(&text);
     // Numbers without a header may begin with any byte.
     if size == utia::SIZE && head.contains(&0) && of_text != Some(Format::Ssdd) {
         return Ok(Format::Utia);
@@ -125,14 +127,16 @@ fn of_text(text: &str) -> Option<Format> {
     }
     let (mut integra, mut ssdd) = (None, None);
     let lines = text.split(['\n', '\r']).map(str::trim_start);
-    for line in lines.filter(|l| !l.is_empty() && !l.starts_with(['#', ';'])) {
+    // Spreadsheets put comments in quotes.
+    let is_comment = |line: &str| line.trim_start_matches('"').starts_with(['#', ';']);
+    for line in lines.filter(|l| !l.is_empty() && !is_comment(l)) {
         let first = line.split_whitespace().next().unwrap_or_default();
         match first {
             "DATA_TYPE" => return Some(Format::Ssdd),
             "VERSION" => ssdd = Some(Format::Ssdd),
             "VARS" => return Some(Format::Astm),
             _ if line.starts_with('[') => return Some(Format::Wif),
-            _ if line.contains("theta_i_deg") => return Some(Format::Csv),
+            _ if is_titled(line, "theta_i_deg") => return Some(Format::Csv),
             _ => {}
         }
         for word in line.split_whitespace() {

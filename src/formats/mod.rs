@@ -5,6 +5,7 @@
 
 mod axis;
 mod columns;
+mod csv_readings;
 mod detect;
 mod error;
 mod goniometric;
@@ -92,7 +93,7 @@ pub fn parse(path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Goniomet
 
 fn parse_as(format: Format, path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Goniometric, FormatError> {
     match format {
-        Format::Csv => columns::read_csv(Text::new(path, bytes)?),
+        Format::Csv => csv_readings::read(path, bytes),
         Format::Ddr => integra::read_diffuse(Text::new(path, bytes)?, options),
         Format::Sdr => integra::read_specular(Text::new(path, bytes)?, options),
         Format::Ssdd => ssdd::read(path, bytes),
