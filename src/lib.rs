@@ -19,6 +19,7 @@ pub mod sample;
 pub mod shading;
 pub mod spectrum;
 pub mod study;
+mod text;
 pub mod transport;
 pub mod validate;
 pub mod weave;

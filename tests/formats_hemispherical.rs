@@ -33,7 +33,10 @@ fn reflectance(data: &Goniometric, theta_deg: f64, phi_deg: f64) -> (f64, f64) {
 fn narrow_lobes_are_integrated_at_their_nodes() {
     let (found, error) = reflectance(&load("absolute_narrow.ddr"), 0.0, 0.0);
     println!("{found} ± {error}");
-    assert!((found / 0.04205 - 1.0).abs() < 0.002 && error < 1e-3 * found, "{found} ± {error}");
+    assert!(
+        (found / 0.04205 - 1.0).abs() < 0.002 && error < 1e-3 * found,
+        "{found} ± {error}"
+    );
     let relative = load("relative_narrow.ddr");
     for (theta, expected) in [(0.0, 31.83), (60.0, 283.8)] {
         let found = bsdf(&relative, &degrees(theta, 0.0), &degrees(theta, 180.0));
@@ -60,7 +63,10 @@ fn radiance_files_have_the_values_of_radiance() {
             sum += PI / 80_000.0 * bsdf(&tree, &omega_in, &out);
         }
         let (found, error) = reflectance(&tree, theta, 30.0);
-        assert!((found / sum - 1.0).abs() < 1e-3 && error == 0.0, "{theta}: {found} {sum}");
+        assert!(
+            (found / sum - 1.0).abs() < 1e-3 && error == 0.0,
+            "{theta}: {found} {sum}"
+        );
     }
     let half = load("klems_half_bsdf2klems.xml");
     // Summed from the numbers of the file, of the first column and of that of the patch at 26 degrees, azimuth 90.
@@ -106,15 +112,27 @@ fn blocks_of_a_file_decide_on_its_basis() {
 #[test]
 fn intensity_tables_are_interpolated_as_f() {
     let data = load("intensity_horizon.ddr");
-    for (theta_i, theta_o, phi) in [(0.0, 75.0, 10.0), (0.0, 89.9, 0.0), (0.0, 90.0, 0.0), (15.0, 45.0, 180.0), (30.0, 89.0, 180.0)] {
+    for (theta_i, theta_o, phi) in [
+        (0.0, 75.0, 10.0),
+        (0.0, 89.9, 0.0),
+        (0.0, 90.0, 0.0),
+        (15.0, 45.0, 180.0),
+        (30.0, 89.0, 180.0),
+    ] {
         let found = bsdf(&data, &degrees(theta_i, 0.0), &degrees(theta_o, phi));
         assert!((found - 0.3).abs() < 1e-6, "{theta_i} {theta_o}: {found}");
     }
     for theta in [0.0f64, 30.0] {
-        let found = data.components[0].directional_hemispherical(theta.to_radians(), 0.0).unwrap();
+        let found = data.components[0]
+            .directional_hemispherical(theta.to_radians(), 0.0)
+            .unwrap();
         assert!((found.values[0] - 0.3 * PI * found.measured).abs() < 1e-4, "{found:?}");
     }
-    assert!(data.warnings.iter().any(|w| w.contains("horizon")), "{:?}", data.warnings);
+    assert!(
+        data.warnings.iter().any(|w| w.contains("horizon")),
+        "{:?}",
+        data.warnings
+    );
 }
 
 /// At a pole, which is one direction, the value is the mean over the azimuths, whatever azimuth rounding gives.
@@ -136,7 +154,11 @@ fn poles_have_one_value() {
         for (theta_i, phi) in [(0.0, 0.0), (1e-12, 200.0)] {
             for theta_o in [0.0, 1e-12] {
                 let found = bsdf(&data, &degrees(theta_i, phi), &degrees(theta_o, phi + 77.0));
-                assert!((found - 2.5 * scale).abs() < 1e-9, "{:?} {theta_i} {phi}: {found}", data.format);
+                assert!(
+                    (found - 2.5 * scale).abs() < 1e-9,
+                    "{:?} {theta_i} {phi}: {found}",
+                    data.format
+                );
             }
         }
     }

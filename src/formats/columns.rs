@@ -1,16 +1,14 @@
-//! Readings in lines of comma-separated numbers: this program's CSV, and the text with a `VARS` line that goes by the
-//! name ASTM E1392.
+//! Readings in lines of comma-separated numbers under a `VARS` line: the text that goes by the name ASTM E1392.
 
-use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 
 use super::detect::Format;
-use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
+use super::error::remedy;
+use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Side, Table};
 use super::integra::scatter_of;
 use super::scattered::{Directions, Scattered};
-use super::error::remedy;
-use super::text::{FINITE, NOT_NEGATIVE, Readings, Text, finite, quoted, remedy_for};
+use super::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
 use super::{AngleUnit, FormatError, ReadOptions};
 use crate::spectrum::WavelengthGrid;
 
@@ -63,7 +61,10 @@ fn scattered(
         text.error(
             at[twice.1],
             "every pair of directions once",
-            format!("the pair of{} again", text.place(at[twice.0]).to_string().trim_start_matches(',')),
+            format!(
+                "the pair of{} again",
+                text.place(at[twice.0]).to_string().trim_start_matches(',')
+            ),
             "keep one reading of the two, or their mean; azimuths 360 degrees apart are one direction",
         )
     })
@@ -130,7 +131,9 @@ pub(super) fn read_astm(text: Text, options: &ReadOptions) -> Result<Goniometric
                 };
                 let remedy = match options.angle_unit {
                     None => "if the angles are degrees, say so: --degrees",
-                    Some(_) => "check the unit and the order of the columns; give light from below as a file of its own",
+                    Some(_) => {
+                        "check the unit and the order of the columns; give light from below as a file of its own"
+                    }
                 };
                 let found = row[polar.min(angle_count - 2)].to_string();
                 return Err(text.error(line.0, expected, found, remedy));
@@ -138,7 +141,9 @@ pub(super) fn read_astm(text: Text, options: &ReadOptions) -> Result<Goniometric
         }
         angles.push(directions);
         at.push(line.0);
-        row[angle_count..].iter().for_each(|&value| readings.take(value, line.0));
+        row[angle_count..]
+            .iter()
+            .for_each(|&value| readings.take(value, line.0));
         values.extend_from_slice(&row[angle_count..]);
     }
     if angles.is_empty() || promised.is_some_and(|count| count != angles.len()) {
@@ -192,177 +197,5 @@ fn astm_channels(text: Text, at: usize, names: &[&str]) -> Result<Channels, Form
             let remedy = "name the columns of values so, or split them into files";
             return Err(text.error(at, expected, quoted(&names.join(",")), remedy));
         }
-    })
-}
-
-/// Angle columns of the CSV, with their ranges in degrees.
-const PLANE: [(&str, RangeInclusive<f64>); 2] = [("theta_i_deg", 0.0..=90.0), ("theta_v_deg", -90.0..=90.0)];
-const SPHERE: [(&str, RangeInclusive<f64>); 4] = [
-    ("theta_i_deg", 0.0..=90.0),
-    ("phi_i_deg", -360.0..=360.0),
-    ("theta_o_deg", 0.0..=180.0),
-    ("phi_o_deg", -360.0..=360.0),
-];
-
-/// Columns: angles in degrees as above, theta_o beyond 90 of transmission; then `wavelength_nm,beta`, or
-/// `beta_r,beta_g,beta_b`, `beta_x,beta_y,beta_z` or `beta`; then standard errors, the same names with `_se`, all or none.
-pub(super) fn read_csv(text: Text) -> Result<Goniometric, FormatError> {
-    let comment = |line: &Line| line.1.trim_start().starts_with('#');
-    let mut provenance = Provenance::default();
-    let comments = lines(text).filter(comment).take(20);
-    provenance
-        .comments
-        .extend(comments.map(|(_, line)| line.trim_start_matches(['#', ' ']).to_owned()));
-    let mut rows = lines(text).filter(|line| !comment(line));
-    let Some((header_at, header)) = rows.next() else {
-        let remedy = "begin with a line such as theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,beta";
-        return Err(text.error(0, "a line of column names", "the end of the file", remedy));
-    };
-    let names: Vec<&str> = header.split(',').map(str::trim).collect();
-    let (directions, angle_columns) = if names.contains(&"phi_o_deg") {
-        (Directions::Sphere, &SPHERE[..])
-    } else {
-        (Directions::Plane, &PLANE[..])
-    };
-    let value_columns: &[&str] = [
-        &["wavelength_nm", "beta"][..],
-        &["beta_r", "beta_g", "beta_b"],
-        &["beta_x", "beta_y", "beta_z"],
-        &["beta"],
-    ]
-    .into_iter()
-    .find(|set| set.iter().all(|name| names.contains(name)))
-    .ok_or_else(|| {
-        text.error(
-            header_at,
-            "columns wavelength_nm,beta or beta_r,beta_g,beta_b or beta_x,beta_y,beta_z or beta",
-            quoted(header),
-            "name the columns of values so; beta is the brightness factor, 1 for the perfect diffuser",
-        )
-    })?;
-    let place = |name: &str| {
-        let place = names.iter().position(|n| *n == name);
-        place.ok_or_else(|| {
-            let remedy = format!("add the column {name}, or correct its title");
-            text.error(header_at, format!("a column {name}"), quoted(header), remedy)
-        })
-    };
-    let angle_places = angle_columns
-        .iter()
-        .map(|(name, _)| place(name))
-        .collect::<Result<Vec<_>, _>>()?;
-    let value_places = value_columns
-        .iter()
-        .map(|name| place(name))
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut ranges = vec![NOT_NEGATIVE; names.len()];
-    let mut readings = Readings::default();
-    for ((_, range), &place) in angle_columns.iter().zip(&angle_places) {
-        ranges[place] = range.clone();
-    }
-    let spectral = value_columns[0] == "wavelength_nm";
-    let beta_columns = &value_columns[usize::from(spectral)..];
-    let beta_places = &value_places[usize::from(spectral)..];
-    beta_places.iter().for_each(|&place| ranges[place] = FINITE);
-    let error_places = if names.iter().any(|name| name.ends_with("_se")) {
-        let errors = beta_columns.iter().map(|name| place(&format!("{name}_se")));
-        errors.collect::<Result<Vec<_>, _>>()?
-    } else {
-        Vec::new()
-    };
-    let known = [&angle_places[..], &value_places, &error_places].concat();
-    if let Some(other) = (0..names.len()).find(|place| !known.contains(place)) {
-        let remedy = "remove the column, or correct its title";
-        return Err(text.error(header_at, "known columns, each once", quoted(names[other]), remedy));
-    }
-    let mut by_geometry: HashMap<Vec<u64>, usize> = HashMap::new();
-    let (mut angles, mut at, mut values): (Vec<Vec<f64>>, Vec<usize>, Vec<Vec<f64>>) = Default::default();
-    let mut errors: Vec<Vec<f64>> = Vec::new();
-    let mut wavelengths: Vec<Vec<f64>> = Vec::new();
-    let mut through = None;
-    for line in rows {
-        let row = numbers(text, line, &names, &ranges)?;
-        let mut degrees: Vec<f64> = angle_places.iter().map(|&place| row[place]).collect();
-        if directions == Directions::Sphere {
-            // The horizon belongs to both.
-            let side = (degrees[2] != 90.0).then_some(degrees[2] > 90.0);
-            if side.is_some_and(|side| *through.get_or_insert(side) != side) {
-                return Err(text.error(
-                    line.0,
-                    "either reflection or transmission in a file",
-                    format!("theta_o {}", degrees[2]),
-                    "write two files: theta_o_deg up to 90 is reflection, beyond it transmission",
-                ));
-            }
-            if degrees[2] > 90.0 {
-                degrees[2] = 180.0 - degrees[2];
-            }
-        }
-        let key = degrees.iter().map(|a| (a + 0.0).to_bits()).collect();
-        let next = angles.len();
-        let index = *by_geometry.entry(key).or_insert(next);
-        if index == next {
-            angles.push(degrees.into_iter().map(f64::to_radians).collect());
-            at.push(line.0);
-            values.push(Vec::new());
-            errors.push(Vec::new());
-            wavelengths.push(Vec::new());
-        } else if !spectral {
-            let remedy = "keep one reading of the two, or their mean";
-            return Err(text.error(line.0, "every pair of directions once", "a pair again", remedy));
-        }
-        if spectral {
-            let nm = row[value_places[0]];
-            if wavelengths[index].last().is_some_and(|last| nm <= *last) || nm <= 0.0 {
-                let expected = "wavelengths in nm, ascending at each geometry";
-                return Err(text.error(line.0, expected, nm.to_string(), remedy::WAVELENGTHS));
-            }
-            wavelengths[index].push(nm);
-        }
-        for &place in beta_places {
-            readings.take(row[place], line.0);
-        }
-        values[index].extend(beta_places.iter().map(|&place| row[place]));
-        errors[index].extend(error_places.iter().map(|&place| row[place]));
-    }
-    if angles.is_empty() {
-        let remedy = "add lines of readings below the column names";
-        return Err(text.error(text.text.len(), "lines of readings", "the end of the file", remedy));
-    }
-    let channels = match value_columns {
-        ["wavelength_nm", ..] => {
-            if let Some(other) = wavelengths.iter().position(|nm| *nm != wavelengths[0]) {
-                let expected = format!("the {} wavelengths of the first geometry", wavelengths[0].len());
-                let remedy = "give every geometry the same wavelengths; leave out those that some lack";
-                return Err(text.error(at[other], expected, "others", remedy));
-            }
-            let grid = WavelengthGrid::new(wavelengths.swap_remove(0));
-            Channels::Wavelengths(grid.map_err(|e| {
-                text.error(at[0], "wavelengths", e.to_string(), remedy::WAVELENGTHS)
-            })?)
-        }
-        ["beta_r", ..] => Channels::Rgb,
-        ["beta_x", ..] => Channels::Xyz,
-        _ => Channels::Monochrome,
-    };
-    let table = scattered(text, directions, &angles, &at, channels.count(), values.concat())?;
-    let table = table.with_errors((!error_places.is_empty()).then(|| errors.concat()));
-    let mut warnings = Vec::new();
-    text.judge(&readings, &mut warnings)?;
-    Ok(Goniometric {
-        format: Format::Csv,
-        provenance,
-        components: vec![Component {
-            scatter: if through == Some(true) {
-                Scatter::Transmission
-            } else {
-                Scatter::Reflection
-            },
-            side: Side::Front,
-            quantity: Quantity::BrightnessFactor,
-            channels,
-            table: Table::Scattered(table),
-        }],
-        warnings,
     })
 }

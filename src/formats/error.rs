@@ -95,6 +95,4 @@ pub(crate) mod remedy {
     pub(crate) const WAVELENGTHS: &str = "sort the wavelengths together with their values, and give them in nm";
     pub(crate) const NOT_FINITE: &str =
         "replace the value by a reading, or leave its direction out: no value may be infinite or undefined";
-    pub(crate) const NEGATIVE: &str = "values below 0 by more than noise are no scattering: check the sign and the scale \
-        of the data, or set what dark subtraction left below 0 to 0";
 }

@@ -8,10 +8,10 @@ use std::f64::consts::TAU;
 
 use super::axis::Axis;
 use super::detect::Format;
+use super::error::remedy;
 use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table, rounded_deg};
 use super::grid::{Fold, Grid, Parameters};
 use super::specular::SpecularTable;
-use super::error::remedy;
 use super::text::{NOT_NEGATIVE, Readings, Text, Token, Tokens, finite, quoted};
 use super::{FormatError, ReadOptions};
 use crate::spectrum::WavelengthGrid;
@@ -319,7 +319,9 @@ fn header<'a>(tokens: &mut Tokens<'a>, diffuse: bool) -> Result<Header<'a>, Form
     let missing = |word: &str| {
         let remedy = format!("write the list of angles {word}, with its count, before the data");
         let expected = format!("'{word}' in the header");
-        tokens.source.error(data.at, expected, "the first block of data", remedy)
+        tokens
+            .source
+            .error(data.at, expected, "the first block of data", remedy)
     };
     if diffuse && symmetry.is_none() {
         warnings.push("no TypeSym: taken as PlaneSymmetrical, as other readers do".into());

@@ -52,7 +52,12 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
     if bytes.len() as u64 != SIZE || !begins(bytes) || bytes[8] != PHI_D as u8 {
         let expected = format!("{SIZE} bytes: counts 90, 90, 180, and 3 values of 8 bytes for each node");
         let remedy = "copy the file again in binary mode; the variant with 360 azimuths is not read";
-        return Err(FormatError::file(path, expected, format!("{} bytes", bytes.len()), remedy));
+        return Err(FormatError::file(
+            path,
+            expected,
+            format!("{} bytes", bytes.len()),
+            remedy,
+        ));
     }
     let stored = |index: usize| {
         let mut word = [0; 8];
@@ -115,7 +120,10 @@ fn grid(values: Vec<f64>) -> Grid {
 
 /// As [`bytes`] are read.
 pub(super) fn table(rgb: &[Option<[f64; 3]>]) -> Grid {
-    let planes = (0..3).flat_map(|channel| rgb.iter().map(move |node| node.map_or(f64::NAN, |values| values[channel])));
+    let planes = (0..3).flat_map(|channel| {
+        rgb.iter()
+            .map(move |node| node.map_or(f64::NAN, |values| values[channel]))
+    });
     grid(planes.collect())
 }
 

@@ -5,8 +5,8 @@
 
 mod axis;
 mod columns;
+mod csv_readings;
 mod detect;
-mod encoding;
 mod error;
 mod goniometric;
 mod grid;
@@ -45,10 +45,9 @@ pub use tensor_tree::TensorTree;
 pub use warped::Warped;
 pub use write::{Encoding, WriteError, WriteOptions, Written, write};
 
-pub(crate) use encoding::decode;
 pub(crate) use error::remedy;
 pub(crate) use source::read as read_bytes;
-pub(crate) use text::{Text, quoted};
+pub(crate) use text::{Text, decode, quoted};
 pub(crate) use write::resampled_nodes;
 
 /// What some formats leave open, stated by the user.
@@ -117,13 +116,10 @@ fn parse_as(format: Format, path: &str, bytes: &[u8], options: &ReadOptions) -> 
 
 fn parse_values(format: Format, path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Goniometric, FormatError> {
     let decoded = match format {
-        Format::Csv
-        | Format::Ddr
-        | Format::Sdr
-        | Format::Astm
-        | Format::Zemax
-        | Format::LightTools
-        | Format::RadianceXml => decode(path, bytes)?,
+        Format::Ddr | Format::Sdr | Format::Astm | Format::Zemax | Format::LightTools | Format::RadianceXml => {
+            decode(path, bytes)?
+        }
+        Format::Csv => return csv_readings::read(path, bytes),
         Format::Ssdd => return ssdd::read(path, bytes),
         Format::Merl => return merl::read(path, bytes),
         Format::Rgl => return rgl::read(path, bytes),
@@ -139,7 +135,6 @@ fn parse_values(format: Format, path: &str, bytes: &[u8], options: &ReadOptions)
     };
     let text = Text::new(path, &decoded.text);
     let mut data = match format {
-        Format::Csv => columns::read_csv(text),
         Format::Ddr => integra::read_diffuse(text, options),
         Format::Sdr => integra::read_specular(text, options),
         Format::Astm => columns::read_astm(text, options),
@@ -147,6 +142,6 @@ fn parse_values(format: Format, path: &str, bytes: &[u8], options: &ReadOptions)
         Format::LightTools => zemax::read_lighttools(text),
         _ => radiance::read(text),
     }?;
-    data.warnings.extend(decoded.warning);
+    data.warnings.extend(decoded.notice);
     Ok(data)
 }

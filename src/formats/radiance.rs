@@ -153,7 +153,12 @@ pub(super) fn read(text: Text) -> Result<Goniometric, FormatError> {
         let chosen: Vec<Element> = names.iter().filter_map(|&i| data[i]).collect();
         if chosen.len() != names.len() {
             let remedy = "add the data of the wavelength Visible to this direction";
-            return Err(xml.error(layer, "a block of wavelength Visible for each direction", "none", remedy));
+            return Err(xml.error(
+                layer,
+                "a block of wavelength Visible for each direction",
+                "none",
+                remedy,
+            ));
         }
         if chosen.len() == 1 && data.iter().flatten().count() > 1 {
             warnings.push("colour is incomplete and left out: one of the two chromaticity blocks is missing".into());
@@ -378,7 +383,14 @@ fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<Klem
         None
     };
     let expected = "rings of patches from 0 to 90 degrees, the first with one patch";
-    basis.ok_or_else(|| xml.error(found, expected, "others", "correct the blocks of the basis, or export it again"))
+    basis.ok_or_else(|| {
+        xml.error(
+            found,
+            expected,
+            "others",
+            "correct the blocks of the basis, or export it again",
+        )
+    })
 }
 
 fn tree(xml: &Xml, block: Element, rank: usize, readings: &mut Readings) -> Result<Node, FormatError> {
@@ -422,7 +434,12 @@ fn tree(xml: &Xml, block: Element, rank: usize, readings: &mut Readings) -> Resu
             }
             number => {
                 let value = finite(number, &FINITE).ok_or_else(|| {
-                    xml.error(data, "values in 1/sr, 0 or more", quoted(number), remedy_for(number, &FINITE))
+                    xml.error(
+                        data,
+                        "values in 1/sr, 0 or more",
+                        quoted(number),
+                        remedy_for(number, &FINITE),
+                    )
                 })?;
                 readings.take(value, xml.begins + data.range().start);
                 if let Some((_, values)) = open.last_mut() {

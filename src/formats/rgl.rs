@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use super::FormatError;
 use super::detect::Format;
-use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
 use super::error::remedy;
+use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
 use super::source::{is_implausible, swapped};
 use super::text::quoted;
 use super::warped::{Arrays, Warped};
@@ -45,9 +45,8 @@ struct Cursor<'a> {
 impl<'a> Cursor<'a> {
     fn take(&mut self, count: usize, what: &str) -> Result<&'a [u8], FormatError> {
         let taken = self.bytes.get(self.position..).and_then(|rest| rest.get(..count));
-        let taken = taken.ok_or_else(|| {
-            FormatError::byte(self.path, self.position, what, "the end of the file", remedy::DAMAGED)
-        })?;
+        let taken = taken
+            .ok_or_else(|| FormatError::byte(self.path, self.position, what, "the end of the file", remedy::DAMAGED))?;
         self.position += count;
         Ok(taken)
     }
@@ -85,10 +84,8 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         let wavelengths = file.array("wavelengths", &[None])?;
         let count = wavelengths.len();
         let nm = wavelengths.into_iter().map(f64::from).collect();
-        let grid =
-            WavelengthGrid::new(nm).map_err(|e| {
-                FormatError::file(path, "ascending `wavelengths`", e.to_string(), remedy::WAVELENGTHS)
-            })?;
+        let grid = WavelengthGrid::new(nm)
+            .map_err(|e| FormatError::file(path, "ascending `wavelengths`", e.to_string(), remedy::WAVELENGTHS))?;
         let values = file.array("spectra", &[phis, thetas, Some(count), square, square])?;
         (Channels::Wavelengths(grid), values)
     } else {
@@ -135,10 +132,20 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
     };
     if arrays.size < 2 {
         let remedy = "write the arrays on a finer square";
-        return Err(FormatError::file(path, "`luminance` of 2 x 2 nodes or more", "fewer", remedy));
+        return Err(FormatError::file(
+            path,
+            "`luminance` of 2 x 2 nodes or more",
+            "fewer",
+            remedy,
+        ));
     }
     let warped = Warped::new(arrays).map_err(|expected| {
-        FormatError::file(path, expected, "others", "the file is no measurement as the format has it: export it again")
+        FormatError::file(
+            path,
+            expected,
+            "others",
+            "the file is no measurement as the format has it: export it again",
+        )
     })?;
     let mut warnings = Vec::new();
     if channels == Channels::Rgb {
@@ -168,10 +175,18 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
             "azimuths of a part of the circle are stored: the rest is taken as {words}, as Mitsuba does"
         ));
     }
-    let end = file.fields.values().map(|field| field.offset + field.size()).max().unwrap_or(0);
+    let end = file
+        .fields
+        .values()
+        .map(|field| field.offset + field.size())
+        .max()
+        .unwrap_or(0);
     // Arrays are aligned to 8 bytes.
     if bytes.len() >= end + 8 {
-        warnings.push(format!("{} bytes behind the last array are not used", bytes.len() - end));
+        warnings.push(format!(
+            "{} bytes behind the last array are not used",
+            bytes.len() - end
+        ));
     }
     let provenance = Provenance {
         source: None,
@@ -199,7 +214,13 @@ fn fields(path: &str, bytes: &[u8]) -> Result<BTreeMap<String, Field>, FormatErr
         position: 0,
     };
     if cursor.take(12, "the beginning of a tensor file")? != MAGIC {
-        return Err(FormatError::byte(path, 0, "the beginning of a tensor file", "another", remedy::DAMAGED));
+        return Err(FormatError::byte(
+            path,
+            0,
+            "the beginning of a tensor file",
+            "another",
+            remedy::DAMAGED,
+        ));
     }
     let version = cursor.take(2, "version 1.0")?;
     if version != [1, 0] {
@@ -213,9 +234,8 @@ fn fields(path: &str, bytes: &[u8]) -> Result<BTreeMap<String, Field>, FormatErr
         let at = cursor.position;
         let length = u16::from_le_bytes(cursor.number("the length of an array's name")?);
         let name = cursor.take(usize::from(length), "the name of an array")?;
-        let name =
-            std::str::from_utf8(name)
-                .map_err(|_| FormatError::byte(path, at, "a name in UTF-8", "other bytes", remedy::DAMAGED))?;
+        let name = std::str::from_utf8(name)
+            .map_err(|_| FormatError::byte(path, at, "a name in UTF-8", "other bytes", remedy::DAMAGED))?;
         let dimensions = u16::from_le_bytes(cursor.number("a number of dimensions")?);
         let [element] = cursor.number::<1>("an element type")?;
         let size = SIZES.get(usize::from(element)).filter(|&&size| size > 0);
@@ -253,7 +273,13 @@ fn fields(path: &str, bytes: &[u8]) -> Result<BTreeMap<String, Field>, FormatErr
             at,
         };
         if fields.insert(name.to_owned(), field).is_some() {
-            return Err(FormatError::byte(path, at, "each array once", quoted(name), remedy::ONE_OF_TWO));
+            return Err(FormatError::byte(
+                path,
+                at,
+                "each array once",
+                quoted(name),
+                remedy::ONE_OF_TWO,
+            ));
         }
     }
     Ok(fields)

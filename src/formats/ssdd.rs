@@ -8,13 +8,12 @@ use std::ops::RangeInclusive;
 use super::FormatError;
 use super::axis::Axis;
 use super::detect::Format;
-use super::encoding::{latin, utf16};
 use super::error::{Place, remedy};
 use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
 use super::grid::{Fold, Grid, Parameters};
 use super::integra::radians;
-use super::specular::SpecularTable;
 use super::source::{is_implausible, swapped};
+use super::specular::SpecularTable;
 use super::text::{FINITE, Readings, finite, quoted, remedy_for};
 use crate::spectrum::WavelengthGrid;
 
@@ -40,23 +39,20 @@ impl<'a> Lines<'a> {
             if line.contains(&0) {
                 return Err(self.error("text", "bytes that are no text", remedy::BINARY_BEHIND));
             }
-            let line = match std::str::from_utf8(line) {
-                Ok(line) => Cow::Borrowed(line.strip_prefix('\u{feff}').unwrap_or(line).trim()),
-                Err(_) => Cow::Owned(latin(line).trim().to_owned()),
-            };
-            if !line.is_empty() && !line.starts_with('#') {
-                return Ok(Some(line));
+            // Letters of another encoding are in comments and names alone.
+            let line = String::from_utf8_lossy(line);
+            let trimmed = line.trim_start_matches('\u{feff}').trim();
+            if !trimmed.is_empty() && !trimmed.starts_with('#') {
+                return Ok(Some(match &line {
+                    Cow::Borrowed(line) => Cow::Borrowed(line.trim_start_matches('\u{feff}').trim()),
+                    Cow::Owned(_) => Cow::Owned(trimmed.to_owned()),
+                }));
             }
         }
         Ok(None)
     }
 
-    fn error(
-        &self,
-        expected: impl Into<String>,
-        found: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> FormatError {
+    fn error(&self, expected: impl Into<String>, found: impl Into<String>, remedy: impl Into<String>) -> FormatError {
         let place = Place::Line {
             line: self.number.max(1),
             column: 1,
@@ -87,8 +83,10 @@ const PARAMETER_TYPES: [&str; 4] = [
 ];
 
 pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError> {
-    let decoded = utf16(bytes).map(String::into_bytes);
-    let bytes = decoded.as_deref().unwrap_or(bytes);
+    // Of a file with binary values the lines are decoded one by one.
+    let text = crate::text::encoding::decode(bytes).ok();
+    let text = text.filter(|decoded| !decoded.text.contains("DATA binary"));
+    let bytes = text.as_ref().map_or(bytes, |decoded| decoded.text.as_bytes());
     let mut lines = Lines {
         path,
         bytes,
@@ -98,7 +96,11 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
     let mut provenance = Provenance::default();
     let mut components: Vec<Component> = Vec::new();
     let mut kinds_seen: Vec<&str> = Vec::new();
-    let mut warnings = Vec::new();
+    let mut warnings: Vec<String> = text
+        .as_ref()
+        .and_then(|decoded| decoded.notice.clone())
+        .into_iter()
+        .collect();
     let mut block = Block::default();
     let mut open = false;
     while let Some(line) = lines.next()? {
@@ -181,9 +183,13 @@ fn list_index(name: &str) -> Option<usize> {
 
 fn word_of<'w>(lines: &Lines, found: &str, words: &[&'w str]) -> Result<&'w str, FormatError> {
     let known = words.iter().find(|&&word| word == found);
-    known
-        .copied()
-        .ok_or_else(|| lines.error(words.join(" or "), quoted(found), "write one of these words, in lower case"))
+    known.copied().ok_or_else(|| {
+        lines.error(
+            words.join(" or "),
+            quoted(found),
+            "write one of these words, in lower case",
+        )
+    })
 }
 
 fn ascending(
@@ -230,9 +236,7 @@ fn component(
         _ => {
             let nm = block.wavelengths_nm.clone().ok_or_else(|| missing("WAVELENGTH_LIST"))?;
             let grid = WavelengthGrid::new(nm);
-            Channels::Wavelengths(
-                grid.map_err(|e| lines.error("WAVELENGTH_LIST", e.to_string(), remedy::WAVELENGTHS))?,
-            )
+            Channels::Wavelengths(grid.map_err(|e| lines.error("WAVELENGTH_LIST", e.to_string(), remedy::WAVELENGTHS))?)
         }
     };
     let specular = kind.starts_with("specular");
@@ -309,7 +313,11 @@ fn component(
         };
         if block.reduction.1 && parameters != Parameters::HalfDifference {
             let remedy = "give all azimuths and leave the word out of REDUCTION_TYPE";
-            return Err(lines.error("reciprocity with half-difference parameters alone", parameter_type, remedy));
+            return Err(lines.error(
+                "reciprocity with half-difference parameters alone",
+                parameter_type,
+                remedy,
+            ));
         }
         if fold != Fold::None && (p3[0], p3[p3.len() - 1]) != (0.0, last) {
             let found = format!("{} to {}", p3[0], p3[p3.len() - 1]);
@@ -401,8 +409,8 @@ fn values(
             while values.len() < count {
                 let promised = || format!("{count} values, {channels} a line, as the lists say");
                 let line = lines.next()?;
-                let line = line
-                    .ok_or_else(|| lines.error(promised(), format!("{}", values.len()), remedy::LISTS_OR_CUT))?;
+                let line =
+                    line.ok_or_else(|| lines.error(promised(), format!("{}", values.len()), remedy::LISTS_OR_CUT))?;
                 let before = values.len();
                 for word in line.split_whitespace() {
                     let value = finite(word, range)

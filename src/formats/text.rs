@@ -3,6 +3,8 @@
 use std::ops::RangeInclusive;
 
 use super::error::{FormatError, Place, remedy};
+use crate::spectrum::plausibility;
+use crate::text::encoding::{self, Decoded};
 
 /// A text file and what to call it.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +52,19 @@ impl<'a> Text<'a> {
         let column = before[start..].chars().count() + 1;
         Place::Line { line, column }
     }
+}
+
+/// The text of a file in any of the encodings of [`crate::text::encoding`].
+pub(crate) fn decode<'a>(path: &str, bytes: &'a [u8]) -> Result<Decoded<'a>, FormatError> {
+    encoding::decode(bytes).map_err(|not| {
+        FormatError::byte(
+            path,
+            not.at,
+            "text in UTF-8, or in the encoding that its beginning states",
+            format!("byte 0x{:02x}", not.byte),
+            "the file is binary, damaged or of another encoding: copy it again, or save it as UTF-8",
+        )
+    })
 }
 
 /// What a message quotes of a file: no control characters, no page of text.
@@ -281,9 +296,6 @@ pub(crate) struct Readings {
     negative: usize,
 }
 
-/// Share of the highest value that noise may lie below 0.
-const NOISE: f64 = 0.05;
-
 impl Readings {
     /// A value and the byte where it stands.
     pub(crate) fn take(&mut self, value: f64, at: usize) {
@@ -294,22 +306,9 @@ impl Readings {
         }
     }
 
-    /// A warning where values are below 0 by noise.
-    ///
-    /// # Errors
-    /// The place of the lowest value and what is wrong with it: expected, found, remedy.
+    /// As [`plausibility::below_zero`], with the place of the lowest value.
     pub(crate) fn judged(&self) -> Result<Option<String>, (usize, [String; 3])> {
-        if self.negative == 0 {
-            return Ok(None);
-        }
-        if -self.lowest > NOISE * self.highest {
-            let expected = format!("values of 0 or more, but for noise of {:.0} % of the highest", 100.0 * NOISE);
-            let found = format!("{} where the highest is {}", self.lowest, self.highest);
-            return Err((self.at, [expected, found, remedy::NEGATIVE.into()]));
-        }
-        Ok(Some(format!(
-            "{} values are below 0, down to {}, as dark subtraction leaves them; they are kept",
-            self.negative, self.lowest
-        )))
+        let judged = plausibility::below_zero("scattering", self.lowest, self.highest, self.negative);
+        judged.map_err(|words| (self.at, words))
     }
 }

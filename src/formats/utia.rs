@@ -40,7 +40,13 @@ pub(super) fn read(path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Go
     for (index, stored) in bytes.chunks_exact(8).map(stored).enumerate() {
         if !stored.is_finite() || stored.abs() > 1e30 {
             let found = stored.to_string();
-            return Err(FormatError::byte(path, 8 * index, "a finite value", found, remedy::DAMAGED));
+            return Err(FormatError::byte(
+                path,
+                8 * index,
+                "a finite value",
+                found,
+                remedy::DAMAGED,
+            ));
         }
         negative += usize::from(stored < 0.0);
         values.push(stored * options.scale.unwrap_or(1.0));

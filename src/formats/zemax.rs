@@ -75,7 +75,8 @@ pub(super) fn read_zemax(text: Text) -> Result<Goniometric, FormatError> {
     if [azimuth[0], azimuth[azimuth.len() - 1]] != ends {
         let expected = format!("angles ScatterAzimuth from {} to {} of {symmetry}", ends[0], ends[1]);
         let found = format!("{} to {}", azimuth[0], azimuth[azimuth.len() - 1]);
-        let remedy = "repeat the values of the first azimuth at the last one, or state the Symmetry that these angles have";
+        let remedy =
+            "repeat the values of the first azimuth at the last one, or state the Symmetry that these angles have";
         return Err(FormatError::file(text.path, expected, found, remedy));
     }
     let blocks: &[&str] = match content {

@@ -62,7 +62,12 @@ impl<'a> Ini<'a> {
             }
             if let Some(name) = line.strip_prefix('[') {
                 let name = name.split_once(']').map(|(name, _)| name).ok_or_else(|| {
-                    text.error(at, "[SECTION]", quoted(line), "close the bracket, or begin the line with ';'")
+                    text.error(
+                        at,
+                        "[SECTION]",
+                        quoted(line),
+                        "close the bracket, or begin the line with ';'",
+                    )
                 })?;
                 let name = name.trim().to_ascii_uppercase();
                 if is_read(&name) && sections.iter().any(|s| s.name == name) {
@@ -80,7 +85,12 @@ impl<'a> Ini<'a> {
                 continue;
             }
             let (key, value) = line.split_once('=').ok_or_else(|| {
-                text.error(at, "key=value", quoted(line), "begin the line with ';' where it is a comment")
+                text.error(
+                    at,
+                    "key=value",
+                    quoted(line),
+                    "begin the line with ';' where it is a comment",
+                )
             })?;
             // In words of a title a semicolon is one; elsewhere it begins a comment.
             let value = match section.name.as_str() {

@@ -73,7 +73,12 @@ pub(super) fn parse(path: &str, text: &str) -> Result<WeaveDraft, FormatError> {
     if warps.checked_mul(wefts).is_none_or(|crossings| crossings > CROSSINGS) {
         let found = format!("{warps} warps and {wefts} wefts");
         let remedy = "export one repeat of the draft, or correct Threads";
-        return Err(FormatError::file(path, format!("at most {CROSSINGS} crossings"), found, remedy));
+        return Err(FormatError::file(
+            path,
+            format!("at most {CROSSINGS} crossings"),
+            found,
+            remedy,
+        ));
     }
     let idle = |lists: &Lists, count: usize| -> Vec<usize> {
         (1..=count)
@@ -83,18 +88,32 @@ pub(super) fn parse(path: &str, text: &str) -> Result<WeaveDraft, FormatError> {
     let idle_picks = idle(&by_pick, wefts);
     if idle_picks.len() == wefts {
         let remedy = "fill in the treadling, the tie-up or the lift plan: the draft may be unfinished";
-        return Err(ini.text.error(picks.at, "picks that lift shafts", "none that does", remedy));
+        return Err(ini
+            .text
+            .error(picks.at, "picks that lift shafts", "none that does", remedy));
     }
     let idle_warps = idle(&by_warp, warps);
     if idle_warps.len() == warps {
         let remedy = "fill in the threading: the draft may be unfinished";
-        return Err(ini.text.error(threading.at, "warp threads on shafts", "none that is", remedy));
+        return Err(ini
+            .text
+            .error(threading.at, "warp threads on shafts", "none that is", remedy));
     }
     for (numbers, words) in [
-        (idle_picks, "lift no shaft, so that nothing binds them: check treadling and tie-up, or the lift plan"),
-        (idle_warps, "are on no shaft, so that nothing binds them: check the threading"),
+        (
+            idle_picks,
+            "lift no shaft, so that nothing binds them: check treadling and tie-up, or the lift plan",
+        ),
+        (
+            idle_warps,
+            "are on no shaft, so that nothing binds them: check the threading",
+        ),
     ] {
-        let what = if words.starts_with("lift") { "picks" } else { "warp threads" };
+        let what = if words.starts_with("lift") {
+            "picks"
+        } else {
+            "warp threads"
+        };
         if !numbers.is_empty() {
             warnings.push(format!("{} {what} ({}) {words}", numbers.len(), listed(&numbers)));
         }
@@ -134,7 +153,10 @@ fn required<'i, 'a>(ini: &'i Ini<'a>, name: &str) -> Result<&'i Section<'a>, For
 
 /// Sections that [CONTENTS] promises and the file does not have.
 fn missing_contents(ini: &Ini, warnings: &mut Vec<String>) {
-    let contents = ini.section("CONTENTS").map(|s| s.entries.as_slice()).unwrap_or_default();
+    let contents = ini
+        .section("CONTENTS")
+        .map(|s| s.entries.as_slice())
+        .unwrap_or_default();
     let promised = contents.iter().filter(|entry| is_true(entry.value) == Some(true));
     let missing: Vec<String> = promised
         .filter(|entry| ini.section(&entry.key).is_none())
@@ -200,7 +222,9 @@ fn numbers(
             }
         }
         if lists.insert(key, list).is_some() {
-            return Err(ini.text.error(entry.at, "each number once", quoted(&entry.key), remedy::ONE_OF_TWO));
+            return Err(ini
+                .text
+                .error(entry.at, "each number once", quoted(&entry.key), remedy::ONE_OF_TWO));
         }
     }
     Ok(lists)
@@ -241,7 +265,8 @@ fn rising(ini: &Ini, warnings: &mut Vec<String>) -> Result<bool, FormatError> {
     };
     is_true(entry.value).ok_or_else(|| {
         let remedy = "write true where a lifted shaft brings its warp threads to the top";
-        ini.text.error(entry.at, "Rising Shed true or false", quoted(entry.value), remedy)
+        ini.text
+            .error(entry.at, "Rising Shed true or false", quoted(entry.value), remedy)
     })
 }
 
@@ -292,7 +317,8 @@ fn palette(ini: &Ini) -> Result<Palette, FormatError> {
         let key = entry.key.parse::<i64>();
         let key = key.map_err(|_| {
             let remedy = "number the colours, from 1 on";
-            ini.text.error(entry.at, "a whole number before '='", quoted(&entry.key), remedy)
+            ini.text
+                .error(entry.at, "a whole number before '='", quoted(&entry.key), remedy)
         })?;
         let [r, g, b] = whole(ini, entry.at, entry.value)?[..] else {
             let remedy = "write the three numbers, or remove the line: colours are not needed";
@@ -359,7 +385,8 @@ fn threads(
     let mut index = |key: &str, at: usize| -> Result<Option<usize>, FormatError> {
         let number: usize = key.parse().map_err(|_| {
             let remedy = "write number=value for each thread";
-            ini.text.error(at, "the number of a thread before '='", quoted(key), remedy)
+            ini.text
+                .error(at, "the number of a thread before '='", quoted(key), remedy)
         })?;
         let index = number.checked_sub(usize::from(!from_zero)).filter(|&i| i < count);
         if index.is_none() {
@@ -378,7 +405,8 @@ fn threads(
             let number = entry.value.parse::<f64>().ok().filter(|v| (0.0..1e9).contains(v));
             let number = number.ok_or_else(|| {
                 let remedy = "write it with a point as decimal mark, or remove the line: lengths are not needed";
-                ini.text.error(entry.at, "a length, 0 or more", quoted(entry.value), remedy)
+                ini.text
+                    .error(entry.at, "a length, 0 or more", quoted(entry.value), remedy)
             })?;
             let Some(index) = index(&entry.key, entry.at)? else {
                 continue;
@@ -424,7 +452,9 @@ fn colour_of(ini: &Ini, at: usize, value: &str, palette: &Palette) -> Result<Opt
         [_, r, g, b] => Ok(Some(Some(palette.scaled([r, g, b])))),
         _ => {
             let remedy = "write the number of a colour, or remove the line: colours are not needed";
-            Err(ini.text.error(at, "index, or index,red,green,blue", quoted(value), remedy))
+            Err(ini
+                .text
+                .error(at, "index, or index,red,green,blue", quoted(value), remedy))
         }
     }
 }

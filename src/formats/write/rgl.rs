@@ -181,7 +181,12 @@ impl Slices<'_> {
         let all = source.iter().zip(&found).enumerate();
         all.flat_map(|(slice, (source, found))| {
             let theta_deg = rounded_deg(self.incidence(slice).1);
-            balance.factors(theta_deg, source.as_ref().map(mapped).as_ref(), found.as_ref(), self.channels)
+            balance.factors(
+                theta_deg,
+                source.as_ref().map(mapped).as_ref(),
+                found.as_ref(),
+                self.channels,
+            )
         })
         .collect()
     }
