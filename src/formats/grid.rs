@@ -223,6 +223,43 @@ impl Grid {
         ))
     }
 
+    /// The same table with azimuths that close the circle ([`Axis::closed`]); nothing else changes.
+    pub(super) fn closed(&self) -> Self {
+        let mut grid = self.clone();
+        for axis in [1, 3] {
+            grid = grid.closed_along(axis).unwrap_or(grid);
+        }
+        grid
+    }
+
+    fn closed_along(&self, axis: usize) -> Option<Self> {
+        let (closed, shares) = self.axes[axis].closed()?;
+        let mut axes = self.axes.clone();
+        axes[axis] = closed;
+        let [n0, n1, n2, n3] = std::array::from_fn(|axis| axes[axis].nodes_rad().len());
+        let mut values = Vec::with_capacity(n0 * n1 * n2 * n3 * self.channels);
+        for i in 0..n0 * n1 * n2 * n3 {
+            let node = [i / (n3 * n2 * n1), i / (n3 * n2) % n1, i / n3 % n2, i % n3];
+            for channel in 0..self.channels {
+                let part = |(own, share): (usize, f64)| {
+                    let mut at = node;
+                    at[axis] = own;
+                    if share > 0.0 { share * self.at(at, channel) } else { 0.0 }
+                };
+                values.push(shares[node[axis]].into_iter().map(part).sum());
+            }
+        }
+        let order = [0, 1, 2, 3, 4];
+        Some(Self::new(
+            self.parameters.clone(),
+            axes,
+            self.fold,
+            self.channels,
+            order,
+            values,
+        ))
+    }
+
     /// The largest difference, relative to the larger, between values at azimuths a whole turn apart, which are of one
     /// direction; 0 where the table has no two such azimuths.
     pub(super) fn seam(&self) -> f64 {

@@ -33,6 +33,23 @@ impl SpecularTable {
         &self.azimuth
     }
 
+    /// The same table with azimuths that close the circle ([`Axis::closed`]).
+    pub(super) fn closed(&self) -> Self {
+        let Some((azimuth, shares)) = self.azimuth.closed() else {
+            return self.clone();
+        };
+        let mut values = Vec::new();
+        for shares in shares {
+            for incidence in 0..self.incidence.nodes_rad().len() {
+                let parts = shares.map(|(node, share)| (self.at(incidence, node), share));
+                let mean =
+                    |channel: usize| -> f64 { parts.iter().map(|(values, share)| share * values[channel]).sum() };
+                values.extend((0..self.channels).map(mean));
+            }
+        }
+        Self::new(self.incidence.clone(), azimuth, self.channels, values)
+    }
+
     /// Fractions of a node, one a channel.
     pub fn at(&self, incidence: usize, azimuth: usize) -> &[f64] {
         let node = azimuth * self.incidence.nodes_rad().len() + incidence;

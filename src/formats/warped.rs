@@ -227,6 +227,12 @@ impl Warped {
         found
     }
 
+    /// Whether incident azimuths go all the way round, as pbrt and powitacq need them; or there is one.
+    pub(super) fn covers_circle(&self) -> bool {
+        let phi_i = &self.arrays.phi_i;
+        self.arrays.isotropic || phi_i[phi_i.len() - 1] - phi_i[0] > TAU - 1e-3
+    }
+
     /// The symmetry by which azimuths that are not stored follow; `None` where the whole circle is, or one azimuth.
     pub fn symmetry(&self) -> Option<&'static str> {
         match self.reduction {

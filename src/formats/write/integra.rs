@@ -110,6 +110,8 @@ impl SpecularGrid {
     }
 
     fn same(quantity: Quantity, grid: &Grid, offsets_rad: &[f64]) -> Result<Self, WriteError> {
+        // The format wants azimuths from 0 to 360 degrees.
+        let grid = &grid.closed();
         let [sigma, psi, theta, phi] = grid.axes();
         let [n0, n1, n2, n3] = grid.shape();
         if quantity == Quantity::Unscaled {

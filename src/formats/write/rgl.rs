@@ -197,6 +197,7 @@ impl Slices<'_> {
 fn axes(component: &Component) -> (Vec<f64>, Vec<f64>, Option<usize>) {
     if let Table::Warped(table) = &component.table
         && table.is_unwarped()
+        && table.covers_circle()
     {
         return (
             table.azimuth().nodes_rad().to_vec(),

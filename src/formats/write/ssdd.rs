@@ -145,6 +145,7 @@ fn lists(text: &mut String, lists: &[(usize, &[f64])]) {
 }
 
 fn specular(text: &mut String, table: &SpecularTable) -> Vec<f64> {
+    let table = &table.closed();
     let (incidence, azimuth) = (degrees(table.incidence()), degrees(table.azimuth()));
     lists(text, &[(0, &incidence)]);
     if !table.azimuth().is_single() {
@@ -155,6 +156,8 @@ fn specular(text: &mut String, table: &SpecularTable) -> Vec<f64> {
 }
 
 fn same(text: &mut String, component: &Component, grid: &Grid) -> Result<Vec<f64>, WriteError> {
+    // Some readers hold the value of the last azimuth up to 360 degrees.
+    let grid = &grid.closed();
     let (name, offsets) = match grid.parameters() {
         Parameters::Spherical => ("spherical", None),
         Parameters::Specular { offsets_rad } => ("specular", Some(offsets_rad)),
