@@ -1,7 +1,7 @@
-use super::{Failure, Options, Terminal, study};
+use super::{Failure, Options, Replace, Terminal, claim, inputs_of, study};
 use specval::check::{self, Baseline, CheckEffort, Checked, Verdict, annotations, junit, table};
-use specval::report::{check_writable, write_whole};
-use specval::run::Plan;
+use specval::output::write_whole;
+use specval::run::{Plan, sample_files};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -30,22 +30,26 @@ pub struct Arguments {
     /// Print annotations for GitHub Actions on stderr.
     #[arg(long)]
     github: bool,
+    #[command(flatten)]
+    replace: Replace,
 }
 
 const BROKEN: u8 = 1;
 const UNDECIDED: u8 = 2;
 
-pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<ExitCode, Failure> {
-    if let Some(path) = &arguments.junit {
-        check_writable(path)?;
-    }
+pub fn run(arguments: &Arguments, options: &Options) -> Result<ExitCode, Failure> {
     let study = study::load(arguments.study.as_deref(), options)?;
+    let mut inputs = inputs_of(arguments.study.as_deref(), &study);
+    inputs.extend(arguments.against.clone());
+    inputs.extend(arguments.sample.iter().flat_map(|sample| sample_files(sample)));
+    let outputs: Vec<&Path> = arguments.junit.as_deref().into_iter().collect();
+    let (places, terminal) = &claim(&outputs, &inputs, &arguments.replace, options)?;
     let checked = match &arguments.sample {
         Some(sample) => check::sample(sample, &study.check)?,
         None => of_study(arguments, options, terminal, study)?,
     };
-    if let Some(path) = &arguments.junit {
-        write_whole(path, &junit(&checked)?)?;
+    for place in places {
+        write_whole(place, &junit(&checked)?)?;
     }
     if arguments.github {
         // With stderr closed there is no one left to annotate for.

@@ -13,6 +13,7 @@ pub mod measure;
 pub mod medium;
 pub mod merge;
 pub mod mie;
+mod outputs;
 pub mod reabsorb;
 pub mod report;
 mod stopping;
@@ -22,7 +23,8 @@ pub mod trace;
 pub mod validate;
 pub mod weave;
 
-pub use stopping::{Limits, Stopping, recorded_command, state_beside};
+pub use outputs::{Replace, Scratch, claim, in_words, inputs_of};
+pub use stopping::{Limits, Stopping, recorded_command};
 pub use terminal::{Failure, Terminal, exit};
 
 use clap::{Args, Parser, Subcommand};

@@ -1,9 +1,10 @@
-use super::{Failure, Options, Terminal};
+use super::{Failure, Options, Replace, claim};
 use serde::Serialize;
-use specval::report::{LedgerRange, check_writable, ledger_ranges, ledger_table};
-use specval::run::{Reabsorbed, YarnArtefact, reabsorb};
+use specval::report::{LedgerRange, ledger_ranges, ledger_table};
+use specval::run::{Reabsorbed, YarnArtefact, input_files, reabsorb};
 use specval::study::NumberOrTable;
 use std::path::PathBuf;
+use std::slice;
 
 /// Applies another absorption to a trace without tracing, along the path lengths it kept.
 ///
@@ -27,6 +28,8 @@ pub struct Arguments {
     /// Absorption coefficient of the host in 1/mm, as medium.host_mu_a_per_mm.
     #[arg(long, value_name = "PER_MM", group = "change")]
     host_mu_a: Option<f64>,
+    #[command(flatten)]
+    replace: Replace,
 }
 
 #[derive(Serialize)]
@@ -35,11 +38,18 @@ struct Document<'a> {
     reabsorbed: &'a Reabsorbed,
 }
 
-pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     if options.seed.is_some() || options.paths.is_some() {
         return Err("--seed and --paths: nothing is traced here; leave them out".into());
     }
-    check_writable(&arguments.out)?;
+    let out = arguments.out.as_path();
+    // Before the artefact is read, and again when the tables that its study names are known.
+    claim(
+        &[out],
+        slice::from_ref(&arguments.artefact),
+        &arguments.replace,
+        options,
+    )?;
     let (artefact, source) = YarnArtefact::read_with_digest(&arguments.artefact)?;
     let mut medium = artefact.layout.settings.study.medium.clone();
     if let Some(kappa_peak) = arguments.kappa_peak {
@@ -51,6 +61,11 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     if let Some(host_mu_a) = arguments.host_mu_a {
         medium.host_mu_a_per_mm = NumberOrTable::Number(host_mu_a);
     }
+    let mut study = artefact.layout.settings.study.clone();
+    let mut inputs = input_files(&study);
+    study.medium.clone_from(&medium);
+    inputs.extend(input_files(&study));
+    let (_, terminal) = claim(&[out], &inputs, &arguments.replace, options)?;
     let artefact = reabsorb(artefact, source, medium)?;
     artefact.write(&arguments.out)?;
     let Some(reabsorbed) = artefact.layout.settings.reabsorbed.last() else {

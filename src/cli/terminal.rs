@@ -16,6 +16,8 @@ const BAD_INPUT: u8 = 2;
 pub struct Terminal {
     json: bool,
     quiet: bool,
+    /// An output of the run goes to stdout, so its summary goes to stderr.
+    stdout_is_output: bool,
 }
 
 impl Terminal {
@@ -23,6 +25,15 @@ impl Terminal {
         Self {
             json: options.json,
             quiet: options.quiet,
+            stdout_is_output: false,
+        }
+    }
+
+    /// The same, with stdout left to an output or not.
+    pub fn beside_output(self, on_stdout: bool) -> Self {
+        Self {
+            stdout_is_output: on_stdout,
+            ..self
         }
     }
 
@@ -46,8 +57,15 @@ impl Terminal {
         self.print(&out)
     }
 
-    /// Prints a text to stdout.
+    /// Prints a text to stdout, or to stderr where stdout is an output's.
     pub fn print(&self, text: &str) -> Result<(), Failure> {
+        if self.stdout_is_output {
+            if !self.quiet {
+                // With stderr closed there is no one left to tell.
+                let _ = io::stderr().write_all(text.as_bytes());
+            }
+            return Ok(());
+        }
         let mut stdout = io::stdout().lock();
         stdout.write_all(text.as_bytes())?;
         stdout.flush()?;
@@ -115,7 +133,15 @@ pub fn exit(result: Result<ExitCode, Failure>) -> ExitCode {
 }
 
 fn is_broken_pipe(failure: &(dyn Error + 'static)) -> bool {
-    failure
-        .downcast_ref::<io::Error>()
-        .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+    let mut error = Some(failure);
+    while let Some(here) = error {
+        if here
+            .downcast_ref::<io::Error>()
+            .is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
+        {
+            return true;
+        }
+        error = here.source();
+    }
+    false
 }
