@@ -15,7 +15,7 @@ pub struct Arguments {
     /// File to write; without --to its extension says in which format.
     #[arg(value_name = "OUT")]
     output: PathBuf,
-    /// Format to write.
+    /// Format to write: csv, ddr, sdr, ssdd, ssdd-binary, astm, merl, rgl or klems.
     #[arg(long, value_name = "FORMAT", value_parser = target_of)]
     to: Option<Target>,
     #[command(flatten)]
@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         .ok_or_else(|| ConvertError::Extension { path: output.clone() })?;
     let inputs = slice::from_ref(&arguments.input);
     let (places, terminal) = claim(&[output], inputs, &arguments.replace, options)?;
-    let data = formats::read(&arguments.input, &arguments.reading.options())?;
+    let data = arguments.reading.read(&arguments.input)?;
     for warning in &data.warnings {
         terminal.notice(warning);
     }

@@ -37,20 +37,20 @@ pub struct Arguments {
     /// format that can be written, and beside it is FILE.hemispherical.csv. --paths are particles of each incidence.
     #[arg(long, conflicts_with_all = ["until", "max_time", "resume"])]
     pub full: bool,
-    /// Format to write; without it the extension of --out says.
+    /// Format to write: csv, ddr, sdr, ssdd, ssdd-binary, astm, merl, rgl or klems; without it the extension of --out says.
     #[arg(long, value_name = "FORMAT", value_parser = target_of, requires = "full")]
     to: Option<Target>,
-    /// What to write in a format that holds one of the two.
+    /// What to write in a format that holds one of the two: reflection or transmission.
     #[arg(long, value_name = "KIND", value_parser = scatter_of, requires = "full")]
     scatter: Option<Scatter>,
     /// Linear sRGB under D65 in place of spectra.
     #[arg(long, requires = "full")]
     rgb: bool,
     /// Polar step of incident and outgoing directions, degrees; a right angle has 2 to 90 of them.
-    #[arg(long, value_name = "DEG", value_parser = step, default_value = "10", requires = "full")]
+    #[arg(long, value_name = "DEG", value_parser = step, allow_negative_numbers = true, default_value = "10", requires = "full")]
     theta_step: Step,
     /// Step of azimuths, degrees; a right angle has 1 to 90 of them.
-    #[arg(long, value_name = "DEG", value_parser = step, default_value = "15", requires = "full")]
+    #[arg(long, value_name = "DEG", value_parser = step, allow_negative_numbers = true, default_value = "15", requires = "full")]
     phi_step: Step,
     /// Trace every incidence, also those that the weave's symmetry gives.
     #[arg(long, requires = "full")]

@@ -82,7 +82,14 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
             Some(Method::Volumetric) | None => MethodChoice::Volumetric,
         };
         let (files, terminal) = full::claim_files(out, &arguments.full, &inputs, &arguments.replace, options)?;
-        return full::run(&Plan::new(study)?, method, &files, &arguments.full, options, &terminal);
+        return full::run(
+            &study::plan(study)?,
+            method,
+            &files,
+            &arguments.full,
+            options,
+            &terminal,
+        );
     }
     let energy_file = beside(out, ".energy.csv");
     let mut outputs = vec![out];
@@ -90,7 +97,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         outputs.push(&energy_file);
     }
     let (places, terminal) = &claim(&outputs, &inputs, &arguments.replace, options)?;
-    let plan = Plan::new(study)?;
+    let plan = study::plan(study)?;
     let scratch = Scratch::take(out, &inputs, arguments.stopping.limits.resume)?;
     let wavelengths = plan.grid.len();
     let stopping = &arguments.stopping;
@@ -137,11 +144,13 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
             set.push((place, &energy_csv));
             also = format!(", where the light went to {}", in_words(&energy_file));
         }
-        // That of an earlier run, of which --force said that it may go.
-        Some(_) => output::remove(&energy_file)?,
-        None => {}
+        _ => {}
     }
     write_all(&set)?;
+    if places.len() > set.len() {
+        // That of an earlier run, of which --force said that it may go.
+        output::remove(&energy_file)?;
+    }
     state.remove()?;
     terminal.result(&rows, |rows| {
         format!(

@@ -1,9 +1,10 @@
-use super::{Failure, Options, Replace, claim};
+use super::{Failure, Options, Replace, claim, help, study};
 use serde::Serialize;
+use specval::artefact;
 use specval::report::{LedgerRange, ledger_ranges, ledger_table};
-use specval::run::{Reabsorbed, YarnArtefact, input_files, reabsorb};
+use specval::run::{FileKind, Reabsorbed, YarnArtefact, input_files, reabsorb};
 use specval::study::NumberOrTable;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::slice;
 
 /// Applies another absorption to a trace without tracing, along the path lengths it kept.
@@ -20,16 +21,21 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Imaginary part of the particles' index at the peak of the dye, as medium.kappa_peak.
-    #[arg(long, value_name = "KAPPA", group = "change")]
+    #[arg(long, value_name = "KAPPA", allow_negative_numbers = true, group = "change")]
     kappa_peak: Option<f64>,
-    /// A built-in dye or a CSV file, as medium.dye.
-    #[arg(long, value_name = "NAME|FILE", group = "change")]
+    #[arg(long, help = format!("A built-in dye ({}) or a CSV file, as medium.dye", help::dyes()), value_name = "NAME|FILE", group = "change")]
     dye: Option<String>,
     /// Absorption coefficient of the host in 1/mm, as medium.host_mu_a_per_mm.
-    #[arg(long, value_name = "PER_MM", group = "change")]
+    #[arg(long, value_name = "PER_MM", allow_negative_numbers = true, group = "change")]
     host_mu_a: Option<f64>,
     #[command(flatten)]
     replace: Replace,
+}
+
+/// Why this is no artefact.
+fn no_artefact(error: impl Into<Failure>, path: &Path) -> Failure {
+    let due = |kind| kind == FileKind::Artefact(artefact::Kind::Artefact);
+    study::or_other_kind(error, path, "the artefact of a trace", due)
 }
 
 #[derive(Serialize)]
@@ -50,7 +56,8 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         &arguments.replace,
         options,
     )?;
-    let (artefact, source) = YarnArtefact::read_with_digest(&arguments.artefact)?;
+    let (artefact, source) =
+        YarnArtefact::read_with_digest(&arguments.artefact).map_err(|error| no_artefact(error, &arguments.artefact))?;
     let mut medium = artefact.layout.settings.study.medium.clone();
     if let Some(kappa_peak) = arguments.kappa_peak {
         medium.kappa_peak = kappa_peak;

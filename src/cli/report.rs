@@ -1,9 +1,9 @@
-use super::{Failure, Options, Replace, Stopping, Terminal, in_words, inputs_of, recorded_command, study};
+use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, inputs_of, recorded_command, study};
 use serde::Serialize;
 use specval::compare::Geometry;
 use specval::output::{NamedFile, ReportFolder};
 use specval::report::{file_names, render, report_json, summary};
-use specval::run::{self, Plan, Simulator, StateFile, Watch};
+use specval::run::{self, Simulator, StateFile, Watch};
 use specval::study::Study;
 use std::path::{Path, PathBuf};
 
@@ -23,8 +23,7 @@ pub struct Arguments {
     /// Compare the ways to follow light in the cloth, each with the study's effort: approximations.csv and locality.csv. Minutes.
     #[arg(long)]
     approximations: bool,
-    /// Measured sample instead of the study's: a built-in name, a folder or a CSV file.
-    #[arg(long, value_name = "SAMPLE")]
+    #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file", help::samples()), value_name = "SAMPLE")]
     measured: Option<String>,
     #[command(flatten)]
     replace: Replace,
@@ -55,7 +54,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         return Err(NoFolder.into());
     }
     let inputs = inputs_of(arguments.study.as_deref(), &study);
-    let plan = Plan::new(study)?;
+    let plan = study::plan(study)?;
     let geometries = run::report_geometries(&plan);
     let mut names = file_names(incidences(&geometries));
     if arguments.approximations {

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 pub struct Stopping {
     /// Go on until each standard error is below this: "rel 1%" or "abs 0.001", of the `curves` or, with that word behind
     /// it, of the `ratios` of Table 1. Makes more batches than the study if need be, or with --paths no more than those.
-    #[arg(long, value_name = "PRECISION")]
+    #[arg(long, value_name = "PRECISION", allow_hyphen_values = true)]
     pub until: Option<Precision>,
     #[command(flatten)]
     pub limits: Limits,
@@ -24,11 +24,11 @@ pub struct Limits {
     /// Trace no longer than this, such as 90s, 2min or 1h, but two batches in any case; the time of
     /// a run that is resumed does not count. The sweep, with paths in proportion to
     /// what was traced, and the graphs come on top.
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub max_time: Option<Duration>,
     /// Least time between two savings of the state that --resume goes on from, more where saving would take over 5 % of the
     /// time; 0s saves after each round of batches.
-    #[arg(long, value_name = "TIME", value_parser = time, default_value = "5s")]
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true, default_value = "5s")]
     pub checkpoint: Duration,
     /// Go on from the state that a killed run of the same command left. Gives the same bytes as a run without a break.
     #[arg(long)]

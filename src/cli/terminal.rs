@@ -3,10 +3,19 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::error::Error;
 use std::io::{self, IsTerminal, Write};
+use std::num::NonZeroUsize;
 use std::process::ExitCode;
 
 /// Any error of any room: what went wrong, where, what was expected, and the remedy are in its words.
 pub type Failure = Box<dyn Error>;
+
+#[derive(Debug, thiserror::Error)]
+#[error("--threads {threads}: the system cannot start so many; take fewer, or leave it out for one a core")]
+struct NoThreads {
+    threads: NonZeroUsize,
+    #[source]
+    cause: rayon::ThreadPoolBuildError,
+}
 
 /// Exit code of bad input, the same as for a mistyped flag.
 const BAD_INPUT: u8 = 2;
@@ -42,7 +51,8 @@ impl Terminal {
         if let Some(threads) = options.threads {
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads.get())
-                .build_global()?;
+                .build_global()
+                .map_err(|cause| NoThreads { threads, cause })?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 use super::{Failure, Limits, Options, Replace, Scratch, Terminal, claim, inputs_of, study};
 use specval::output;
 use specval::report::{EnergyRow, effort_line, ledger_ranges, ledger_table};
-use specval::run::{self, Plan, Precision, PrecisionError, Schedule, Shard, Watched, YarnSums, YarnTracer};
+use specval::run::{self, Precision, PrecisionError, Schedule, Shard, Watched, YarnSums, YarnTracer};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -15,11 +15,11 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Trace only the batches of shard K of N, for `specval merge`.
-    #[arg(long, value_name = "K/N")]
+    #[arg(long, value_name = "K/N", allow_hyphen_values = true)]
     shard: Option<Shard>,
     /// Go on until the standard error of the ledger's scattered fraction, at every wavelength and incident direction, is
     /// below this: "rel 5%" or "abs 0.001". Makes more batches than the study if need be, or with --paths no more than those.
-    #[arg(long, value_name = "PRECISION", value_parser = scattered, help_heading = "How long")]
+    #[arg(long, value_name = "PRECISION", value_parser = scattered, allow_hyphen_values = true, help_heading = "How long")]
     until: Option<Precision>,
     #[command(flatten)]
     replace: Replace,
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let study = study::load(arguments.study.as_deref(), options)?;
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     let (_, terminal) = &claim(&[&arguments.out], &inputs, &arguments.replace, options)?;
-    let plan = Plan::new(study)?;
+    let plan = study::plan(study)?;
     let tracer = YarnTracer::new(&plan)?;
     match arguments.shard {
         Some(shard) => {
