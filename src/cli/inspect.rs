@@ -1,11 +1,12 @@
-use super::{Failure, Terminal};
+use super::{Failure, Terminal, study};
 use serde::Serialize;
 use specval::formats::{
     self, AngleUnit, Axis, Channels, Component, Fold, Goniometric, Hemispherical, Parameters, Provenance, Quantity,
     ReadOptions, Scatter, Side, Table,
 };
+use specval::run::FileKind;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What some formats leave open.
 #[derive(Debug, clap::Args)]
@@ -20,7 +21,7 @@ pub struct Reading {
     #[arg(long)]
     degrees: bool,
     /// Factor from a UTIA file's numbers to 1/sr.
-    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
     scale: Option<f64>,
 }
 
@@ -32,7 +33,14 @@ fn factor(text: &str) -> Result<f64, String> {
 }
 
 impl Reading {
-    pub fn options(&self) -> ReadOptions {
+    /// Reads a goniometric file; of another file it says what that is.
+    pub fn read(&self, path: &Path) -> Result<Goniometric, Failure> {
+        let due = |kind| matches!(kind, FileKind::Goniometric(_) | FileKind::Sample);
+        let read = formats::read(path, &self.options());
+        read.map_err(|error| study::or_other_kind(error, path, "a goniometric file", due))
+    }
+
+    fn options(&self) -> ReadOptions {
         let scatter = match (self.transmission, self.reflection) {
             (true, _) => Some(Scatter::Transmission),
             (_, true) => Some(Scatter::Reflection),
@@ -97,7 +105,7 @@ struct Reflectance {
 }
 
 pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
-    let data = formats::read(&arguments.file, &arguments.reading.options())?;
+    let data = arguments.reading.read(&arguments.file)?;
     terminal.result(&inspect(data), text)
 }
 
