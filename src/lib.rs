@@ -1,6 +1,7 @@
 //! Spectral validation of physically based cloth models.
 //!
 //! Data flows one way: spectra → medium → yarn → radiance factor → cloth → rig → colour → comparison → report.
+//! `output` (places files are written to) lies below `artefact` and all of them.
 //! A module uses the ones listed before it and never one listed after it.
 
 pub mod artefact;
@@ -12,6 +13,7 @@ pub mod fault;
 pub mod formats;
 pub mod geometry;
 pub mod optics;
+pub mod output;
 pub mod report;
 pub mod rig;
 pub mod run;
@@ -19,6 +21,7 @@ pub mod sample;
 pub mod shading;
 pub mod spectrum;
 pub mod study;
+mod text;
 pub mod transport;
 pub mod validate;
 pub mod weave;

@@ -11,19 +11,19 @@ fn main() -> ExitCode {
     let terminal = Terminal::new(&options);
     cli::exit(terminal.start_threads(&options).and_then(|()| {
         let done = match command {
-            Command::Check(arguments) => return cli::check::run(&arguments, &options, &terminal),
+            Command::Check(arguments) => return cli::check::run(&arguments, &options),
             Command::Report(arguments) => cli::report::run(&arguments, &options, &terminal),
-            Command::Init(arguments) => cli::init::run(&arguments, &terminal),
+            Command::Init(arguments) => cli::init::run(&arguments, &options),
             Command::Mie(arguments) => cli::mie::run(&arguments, &terminal),
             Command::Medium(arguments) => cli::medium::run(&arguments, &options, &terminal),
-            Command::Trace(arguments) => cli::trace::run(&arguments, &options, &terminal),
-            Command::Reabsorb(arguments) => cli::reabsorb::run(&arguments, &options, &terminal),
-            Command::Merge(arguments) => cli::merge::run(&arguments, &terminal),
-            Command::Measure(arguments) => cli::measure::run(&arguments, &options, &terminal),
+            Command::Trace(arguments) => cli::trace::run(&arguments, &options),
+            Command::Reabsorb(arguments) => cli::reabsorb::run(&arguments, &options),
+            Command::Merge(arguments) => cli::merge::run(&arguments, &options),
+            Command::Measure(arguments) => cli::measure::run(&arguments, &options),
             Command::Validate(arguments) => cli::validate::run(&arguments, &options, &terminal),
             Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),
             Command::Inspect(arguments) => cli::inspect::run(&arguments, &terminal),
-            Command::Convert(arguments) => cli::convert::run(&arguments, &terminal),
+            Command::Convert(arguments) => cli::convert::run(&arguments, &options),
             Command::Weave(arguments) => cli::weave::run(&arguments, &terminal),
         };
         done.map(|()| ExitCode::SUCCESS)

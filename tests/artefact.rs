@@ -377,7 +377,7 @@ fn a_place_that_cannot_be_written_is_told_at_once() {
     assert!(matches!(error, ArtefactError::NotWritable { .. }), "{error}");
     for place in [folder.path(), Path::new("")] {
         let error = create(place);
-        assert!(matches!(error, ArtefactError::NotAFile { .. }), "{error}");
+        assert!(matches!(error, ArtefactError::Output(_)), "{error}");
     }
 
     let refused = |header: Value, arrays: &[ArrayInfo]| {
@@ -395,8 +395,8 @@ fn a_place_that_cannot_be_written_is_told_at_once() {
 #[cfg(unix)]
 #[test]
 fn links_and_devices_stay_what_they_are() {
-    let error = Writer::create("/dev/null", Kind::State, &identity(), &header(), &arrays()).unwrap_err();
-    assert!(matches!(error, ArtefactError::NotAFile { .. }), "{error}");
+    write(Path::new("/dev/null"), Kind::State).unwrap();
+    assert!(!Path::new("/dev/null").is_file());
     let (folder, path) = state();
     let link = folder.path().join("link");
     std::os::unix::fs::symlink(&path, &link).unwrap();

@@ -112,6 +112,19 @@ fn bad_flags_name_themselves_and_what_was_expected() {
         (&["mie", "--x", "1"], &["--m-re"]),
         (&["mie", "--m-re", "1.5", "--x", "1", "--threads", "0"], &["--threads"]),
         (&["color"], &["color", "colour"]),
+        (
+            &["validate", "--seed", "-1"],
+            &["--seed", "from 0 to 9223372036854775807"],
+        ),
+        (
+            &["validate", "--paths", "0"],
+            &["--paths", "from 1 to 1000000000000", "2e5"],
+        ),
+        (&["validate", "--threads", "100000"], &["--threads", "from 1 to 1024"]),
+        (
+            &["measure", "--out", "none.csv", "--paths", "1"],
+            &["--paths", "16 or more"],
+        ),
     ] {
         let message = refusal(arguments);
         for part in expected {
@@ -410,5 +423,24 @@ fn help_and_version_name_the_program() {
         assert!(help.contains(word), "{word} is missing in {help}");
     }
     let version = String::from_utf8(specval(&["--version"]).stdout).unwrap();
-    assert_eq!(version.trim(), format!("specval {}", env!("CARGO_PKG_VERSION")));
+    let begins = format!("specval {} (", env!("CARGO_PKG_VERSION"));
+    assert!(
+        version.starts_with(&begins) && version.contains("sources "),
+        "{version}"
+    );
+    let of_command = |arguments: &[&str]| String::from_utf8(specval(arguments).stdout).unwrap();
+    assert_eq!(of_command(&["help"]), help);
+    assert_eq!(of_command(&["help", "reabsorb"]), of_command(&["reabsorb", "--help"]));
+    for (arguments, words) in [
+        (["reabsorb", "--help"], &["preprint-red", "RR195", "Examples:"][..]),
+        (
+            ["init", "--help"],
+            &["satin-5", "cie1964-10deg", "D50", "merl-red-fabric2"],
+        ),
+        (["convert", "--help"], &["ssdd-binary", "klems"]),
+        (["measure", "--help"], &["ssdd-binary", "reflection or transmission"]),
+    ] {
+        let help = of_command(&arguments);
+        assert!(words.iter().all(|word| help.contains(word)), "{words:?} in {help}");
+    }
 }

@@ -209,7 +209,7 @@ fn a_link_to_a_shard_is_no_place_for_the_artefact() {
     refuse(
         folder,
         &["merge", "--out", "link", &names[0]],
-        &["--out link", "1of1.shard"],
+        &["link", "1of1.shard", "input"],
     );
 }
 

@@ -70,7 +70,7 @@ fn convert_writes_whole_files_and_replaces_none() {
         &["convert", &source, "out.ssdd", "--to", "astm", "--force"],
     );
     assert_eq!(json(folder.path(), &["inspect", "out.ssdd"])["format"], "astm");
-    assert!(refusal(folder.path(), &["convert", "out.ssdd", "out.ssdd", "--force"]).contains("read"));
+    assert!(refusal(folder.path(), &["convert", "out.ssdd", "out.ssdd", "--force"]).contains("input"));
     json(
         folder.path(),
         &["convert", &source, "out.ssdd", "--to", "ssdd-binary", "--force"],

@@ -110,7 +110,7 @@ fn faults_are_named() {
             "dir_iso_rgb.astm",
             "0,0,0,0,0.4,0.2,0.1",
             "0,0,0,0,0.4,,0.1",
-            "G, a number",
+            "G, a finite number",
         ),
         (
             "dir_iso_rgb.astm",

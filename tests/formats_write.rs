@@ -132,7 +132,7 @@ fn klems_holds_reflection_and_transmission_and_xyz() {
     let (back, _) = again(&both, Format::RadianceXml);
     for scatter in [Scatter::Reflection, Scatter::Transmission] {
         let component = back.component(scatter, Side::Front).unwrap();
-        let (total, _) = component.directional_hemispherical(0.5, 0.0).unwrap();
+        let total = component.directional_hemispherical(0.5, 0.0).unwrap().values;
         assert!((total[0] - 1.0).abs() < 1e-6, "{total:?}");
     }
     let spectral = load("dir_specular_spectral7_binary.ssdd");
@@ -233,9 +233,10 @@ fn klems_holds_specular_fractions_on_the_diagonal() {
         (85.0, 10.0, 0.0),
     ] {
         let omega_in = degrees(theta, phi);
-        let (total, _) = back.components[0]
+        let total = back.components[0]
             .directional_hemispherical(f64::to_radians(theta), f64::to_radians(phi))
-            .unwrap();
+            .unwrap()
+            .values;
         let scattered = 0.1 * std::f64::consts::PI;
         assert!(
             (total[0] - scattered - fraction).abs() < 0.01 * (theta / 80.0) + 1e-9,

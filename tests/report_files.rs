@@ -3,6 +3,7 @@
 mod report_data;
 
 use report_data::data;
+use specval::output::*;
 use specval::report::*;
 
 fn text(bytes: Vec<u8>) -> String {
@@ -143,14 +144,16 @@ fn a_report_is_the_same_bytes_every_time_and_lands_whole() {
     let files = render(&data).unwrap();
     assert_eq!(files, render(&data).unwrap());
     let scratch = tempfile::tempdir().unwrap();
-    let folder = OutputFolder::prepare(scratch.path().join("deep/er")).unwrap();
+    let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
+    assert_eq!(names, file_names(3));
+    let folder = ReportFolder::prepare(&scratch.path().join("deep/er"), &names, &[], false).unwrap();
     for _ in 0..2 {
         folder.write(&files).unwrap();
         let mut found: Vec<_> = std::fs::read_dir(folder.path())
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
             .collect();
-        let mut expected: Vec<_> = files.iter().map(|file| file.name.clone()).collect();
+        let mut expected = [&names[..], &["report.sha256".to_owned(), "specval.lock".to_owned()]].concat();
         found.sort();
         expected.sort();
         assert_eq!(found, expected);
@@ -166,7 +169,7 @@ fn a_file_in_the_way_is_found_before_anything_is_written() {
     let file = scratch.path().join("report");
     std::fs::write(&file, "mine").unwrap();
     for path in [file.clone(), file.join("inside")] {
-        let message = OutputFolder::prepare(&path).unwrap_err().to_string();
+        let message = ReportFolder::prepare(&path, &[], &[], false).unwrap_err().to_string();
         assert!(message.contains(&file.display().to_string()), "{message}");
         assert!(message.contains("name another folder"), "{message}");
     }
@@ -176,7 +179,7 @@ fn a_file_in_the_way_is_found_before_anything_is_written() {
 #[test]
 fn a_failed_write_leaves_the_earlier_report_alone() {
     let scratch = tempfile::tempdir().unwrap();
-    let folder = OutputFolder::prepare(scratch.path()).unwrap();
+    let folder = ReportFolder::prepare(scratch.path(), &[], &[], true).unwrap();
     let file = |name: &str, bytes: &[u8]| NamedFile {
         name: name.to_owned(),
         bytes: bytes.to_vec(),
@@ -184,27 +187,29 @@ fn a_failed_write_leaves_the_earlier_report_alone() {
     folder.write(&[file("a", b"old")]).unwrap();
     std::fs::create_dir(scratch.path().join("b")).unwrap();
     let error = folder.write(&[file("a", b"new"), file("b", b"new")]).unwrap_err();
-    assert!(matches!(error, ReportError::FolderInTheWay { .. }), "{error}");
+    assert!(matches!(error, OutputError::FolderInTheWay { .. }), "{error}");
     assert_eq!(std::fs::read(scratch.path().join("a")).unwrap(), b"old");
     // A name the file system refuses fails while staging; again nothing changes.
     let error = folder
         .write(&[file("a", b"new"), file(&"x".repeat(300), b"new")])
         .unwrap_err();
-    assert!(matches!(error, ReportError::NotWritable { .. }), "{error}");
+    assert!(matches!(error, OutputError::NotWritable { .. }), "{error}");
     assert_eq!(std::fs::read(scratch.path().join("a")).unwrap(), b"old");
-    assert_eq!(std::fs::read_dir(scratch.path()).unwrap().count(), 2);
+    // Both, the record and the lock.
+    assert_eq!(std::fs::read_dir(scratch.path()).unwrap().count(), 4);
 }
 
 #[test]
 fn one_file_is_written_whole_or_not_at_all() {
     let scratch = tempfile::tempdir().unwrap();
     let path = scratch.path().join("curves.csv");
-    write_whole(&path, b"first").unwrap();
-    write_whole(&path, b"second").unwrap();
+    let write = |path: &std::path::Path, bytes: &[u8]| write_whole(&Place::find(path)?, bytes);
+    write(&path, b"first").unwrap();
+    write(&path, b"second").unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), b"second");
-    assert!(write_whole(scratch.path(), b"").is_err());
+    assert!(write(scratch.path(), b"").is_err());
     let missing = scratch.path().join("none/curves.csv");
-    let message = write_whole(&missing, b"").unwrap_err().to_string();
+    let message = write(&missing, b"").unwrap_err().to_string();
     assert!(message.contains("none/curves.csv"), "{message}");
     assert_eq!(std::fs::read_dir(scratch.path()).unwrap().count(), 1);
 }

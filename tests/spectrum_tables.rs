@@ -134,8 +134,12 @@ fn a_users_dye_file() {
         ("# c\nwavelength_nm,value\n500,1.01\n", 3, "0..1"),
         ("wavelength_nm,value\n500,-0.1\n", 2, "0..1"),
         ("wavelength_nm,value\n500,\n", 2, "0..1"),
-        ("wavelength,value\n500,1\n", 1, "wavelength_nm,value"),
-        ("wavelength_nm;value\n500;0,5\n", 2, "1 values"),
+        ("wave,value\n500,1\n", 1, "a column wavelength_nm"),
+        ("wavelength_nm,value,other\n500,1,1\n", 1, "one spectrum"),
+        ("wavelength_nm value\n500 1\n", 1, "a column wavelength_nm"),
+        ("500,1\n600,0.5\n", 1, "a column wavelength_nm"),
+        ("wavelength_nm;value\n500;1,234\n", 2, "one decimal mark"),
+        ("wavelength_nm,value\n0.5,1\n0.6,1\n", 2, "a wavelength in nm"),
         ("", 1, "header"),
     ];
     for (text, line, expected) in cases {
@@ -148,6 +152,24 @@ fn a_users_dye_file() {
             }
             other => panic!("{text:?}: {other}"),
         }
+    }
+    for (text, remedy) in [
+        ("wavelength_nm,value\n0.5,1\n", "looks like micrometres: multiply"),
+        ("wavelength_nm,value\n500,45\n", "divided by 100"),
+        ("wavelength_nm,value\n500,-0.001\n", "set to 0"),
+    ] {
+        let error = read_spectrum(file(text).path(), 0.0..=1.0).unwrap_err().to_string();
+        assert!(error.contains(remedy), "{text:?}: {error}");
+    }
+    for text in [
+        "Wavelength (nm);Value\n400;0,5\n500;1\n",
+        "\"lambda\",\"K/S\"\n400,0.5\n500,1\n",
+    ] {
+        assert_eq!(
+            read_spectrum(file(text).path(), 0.0..=1.0).unwrap().at(450.0).unwrap(),
+            0.75,
+            "{text:?}"
+        );
     }
     assert!(matches!(
         read_spectrum(std::path::Path::new("/nowhere/at/all.csv"), 0.0..=1.0),
@@ -165,7 +187,15 @@ fn spectra_by_column_and_by_row_are_the_same() {
     );
     assert_eq!(columns, rows);
     assert_eq!(columns[1].1.values(), [-3.0, 4.0]);
+    // Without names a row has its number, and two titles may be values.
+    let unnamed = read_spectra(file("400 nm;500 nm;600 nm\n1;2,5;3\n").path()).unwrap();
+    assert_eq!(
+        (unnamed[0].0.as_str(), unnamed[0].1.values()),
+        ("1", &[1.0, 2.5, 3.0][..])
+    );
     for bad in [
+        "400,500\n1,2\n",
+        "name,0.4,0.5\na,1,2\n",
         "a,b\n1,2\n",
         "name,group\nx,y\n",
         "name,R500,R400\nx,1,2\n",
@@ -182,7 +212,17 @@ fn spectra_in_cgats_text() {
                   NUMBER_OF_FIELDS 4\nBEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME\n SPEC_400 SPEC_500 # bands\nEND_DATA_FORMAT\n\
                   NUMBER_OF_SETS 2\nBEGIN_DATA\n1 \"first one\" 1 2\n\n2\tsecond -3 4\nEND_DATA\n# the end\n";
     let expected = vec![[1.0, 2.0], [-3.0, 4.0]];
-    for field in ["SPEC_", "SPECTRAL_NM", "SPECTRAL_NM_", "SPECTRAL_", "nm", "R_", "R", ""] {
+    for field in [
+        "SPEC_",
+        "SPECTRAL_NM",
+        "SPECTRAL_NM_",
+        "SPECTRAL_",
+        "nm",
+        "R_",
+        "R",
+        "",
+        "X",
+    ] {
         let found = read_spectra(file(&by_set.replace("SPEC_", field)).path()).unwrap();
         let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, ["first one", "second"], "{field}");
@@ -190,6 +230,8 @@ fn spectra_in_cgats_text() {
         assert_eq!(values, expected, "{field}");
         assert_eq!(found[0].1.grid().nm(), [400.0, 500.0], "{field}");
     }
+    let behind = by_set.replace("SPEC_400 SPEC_500", "400_NM 500_nm");
+    assert_eq!(read_spectra(file(&behind).path()).unwrap()[1].1.values(), expected[1]);
     for end in ["\r\n", "\r"] {
         let found = read_spectra(file(&by_set.replace('\n', end)).path()).unwrap();
         assert_eq!(found[1].1.values(), expected[1], "{end:?}");

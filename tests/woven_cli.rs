@@ -96,7 +96,7 @@ fn methods_bounces_and_backings() {
         here,
         "yarn",
         "[cloth]\nmethod = \"volumetric\"\n[specular]\nsurface = \"yarn\"\n",
-        &["--threads", "2"],
+        &["--threads", "2", "--force"],
     );
     assert!(
         before == fs::read(here.join("yarn.csv")).unwrap(),

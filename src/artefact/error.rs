@@ -1,5 +1,6 @@
 use super::layout::FORMAT_VERSION;
 use super::{Difference, Kind};
+use crate::output::OutputError;
 use std::io;
 use std::path::PathBuf;
 
@@ -19,6 +20,9 @@ pub enum ArtefactError {
         #[source]
         cause: io::Error,
     },
+    /// No place for an output.
+    #[error(transparent)]
+    Output(OutputError),
     #[error("{}: expected a file, found a folder or a device; name a file", path.display())]
     NotAFile { path: PathBuf },
     /// It does not begin like a file of this program.

@@ -2,7 +2,9 @@ use super::{CHECKSUM, Identity};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fmt;
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::Path;
 
 /// Version of the format this program writes, and the only one it reads.
 pub(super) const FORMAT_VERSION: u64 = 1;
@@ -10,6 +12,9 @@ pub(super) const FORMAT_VERSION: u64 = 1;
 /// Bytes of the longest line of JSON that is written or read. A file whose line has lost its end is thus told without
 /// taking all of it into memory.
 pub(super) const HEADER_LIMIT: u64 = 1 << 26;
+
+/// Bytes within which the first line must end.
+pub(super) const MAGIC_LIMIT: u64 = 64;
 
 /// What a file is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +61,17 @@ impl fmt::Display for Kind {
             Kind::Shard => "a shard",
             Kind::State => "the state of a run",
         })
+    }
+}
+
+impl Kind {
+    /// What a file says it is; `None` for a file that is none of this program's.
+    pub fn of(path: &Path) -> Option<Self> {
+        let mut head = Vec::new();
+        let file = File::open(path).ok()?;
+        file.take(MAGIC_LIMIT).read_to_end(&mut head).ok()?;
+        let begins = |kind: &Kind| head.starts_with(format!("specval-{} ", kind.word()).as_bytes());
+        Self::ALL.into_iter().find(begins)
     }
 }
 

@@ -1,12 +1,9 @@
-use super::layout::{self, FORMAT_VERSION, HEADER_LIMIT, Head, Placed};
+use super::layout::{self, FORMAT_VERSION, HEADER_LIMIT, Head, MAGIC_LIMIT, Placed};
 use super::{ArrayInfo, ArtefactError, BUFFER, CHECKSUM, Element, Hashed, Identity, Kind};
 use serde_json::Value;
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-
-/// Bytes within which the first line must end.
-const MAGIC_LIMIT: u64 = 64;
 
 /// A file found whole and sound. Reading never writes.
 #[derive(Debug)]

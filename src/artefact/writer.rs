@@ -1,23 +1,16 @@
 use super::layout::{self, HEADER_LIMIT, Head, Placed};
 use super::{ArrayInfo, ArtefactError, BUFFER, Element, Hashed, Identity, Kind};
+use crate::output::{Output, OutputError, Place};
 use serde_json::Value;
-use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Writes one file beside its place and moves it there when it is whole.
-///
-/// Dropped before [`Writer::finish`], or after an error, it removes what it wrote and leaves what stood in the place
-/// untouched. Killed, it leaves a file named `.<process id>-<n>.partial` behind, which nothing ever reads.
+/// Writes one file whole or not at all, or into a stream: see [`Output`].
 #[derive(Debug)]
 pub struct Writer {
-    // Before `partial`: an open file cannot be removed everywhere.
-    output: BufWriter<Hashed<File>>,
-    partial: Partial,
+    output: BufWriter<Hashed<Output>>,
     /// As the caller named it.
     path: PathBuf,
-    place: PathBuf,
     arrays: Vec<Placed>,
     /// The array being written and how many of its values are.
     current: usize,
@@ -61,15 +54,11 @@ impl Writer {
         }
         // JSON too deep to be read back must fail now, not after the run.
         Head::parse(&lines[magic..]).map_err(|found| undeclared("a header that can be read back".into(), found))?;
-        let place = resolve(&path)?;
-        let not_writable = not_writable(&path);
-        let (file, partial) = Partial::create(&place).map_err(not_writable)?;
-        let mut output = BufWriter::with_capacity(BUFFER, Hashed::new(file));
-        output.write_all(&lines).map_err(not_writable)?;
+        let output = Place::find(&path).and_then(|place| Output::create(&place));
+        let mut output = BufWriter::with_capacity(BUFFER, Hashed::new(output.map_err(not_written)?));
+        output.write_all(&lines).map_err(not_writable(&path))?;
         Ok(Self {
             output,
-            partial,
-            place,
             arrays: head.arrays,
             current: 0,
             written: 0,
@@ -112,13 +101,9 @@ impl Writer {
         }
         let not_writable = not_writable(&self.path);
         let hashed = self.output.into_inner().map_err(|e| not_writable(e.into_error()))?;
-        let (mut file, checksum) = hashed.finish();
-        file.write_all(&checksum)
-            .and_then(|()| file.sync_all())
-            .map_err(not_writable)?;
-        drop(file);
-        self.partial.move_to(&self.place).map_err(not_writable)?;
-        sync_folder(&self.place).map_err(not_writable)
+        let (mut output, checksum) = hashed.finish();
+        output.write_all(&checksum).map_err(not_writable)?;
+        output.finish().map_err(not_written)
     }
 
     /// Moves on to this array if its turn has come.
@@ -166,81 +151,16 @@ impl Writer {
     }
 }
 
+fn not_written(cause: OutputError) -> ArtefactError {
+    match cause {
+        OutputError::NotWritable { path, cause } => ArtefactError::NotWritable { path, cause },
+        other => ArtefactError::Output(other),
+    }
+}
+
 fn not_writable(path: &Path) -> impl Fn(io::Error) -> ArtefactError + Copy + '_ {
     |cause| ArtefactError::NotWritable {
         path: path.to_owned(),
         cause,
     }
-}
-
-/// Where the file really goes: a link stays a link, and what is no file (`/dev/null`) is never replaced by one.
-fn resolve(path: &Path) -> Result<PathBuf, ArtefactError> {
-    let not_a_file = || ArtefactError::NotAFile { path: path.to_owned() };
-    match fs::metadata(path) {
-        Ok(there) if there.is_file() => fs::canonicalize(path).map_err(not_writable(path)),
-        Ok(_) => Err(not_a_file()),
-        Err(cause) if cause.kind() == io::ErrorKind::NotFound => {
-            // A trailing separator would make the move fail after all the work.
-            let name = path.file_name().ok_or_else(not_a_file)?;
-            Ok(path.with_file_name(name))
-        }
-        Err(cause) => Err(not_writable(path)(cause)),
-    }
-}
-
-/// A file on its way to its place; removed when dropped before it is there.
-#[derive(Debug)]
-struct Partial {
-    path: PathBuf,
-    moved: bool,
-}
-
-impl Partial {
-    /// Beside its place, so that the move is one step on one file system.
-    fn create(place: &Path) -> io::Result<(File, Self)> {
-        // Keeps two writers of one process apart; the process id keeps processes apart.
-        static COUNT: AtomicU64 = AtomicU64::new(0);
-        let mut name = place.file_name().unwrap_or_default().to_owned();
-        let n = COUNT.fetch_add(1, Ordering::Relaxed);
-        name.push(format!(".{}-{n}.partial", std::process::id()));
-        let path = place.with_file_name(name);
-        let file = File::create(&path)?;
-        Ok((file, Self { path, moved: false }))
-    }
-
-    fn move_to(mut self, place: &Path) -> io::Result<()> {
-        fs::rename(&self.path, place)?;
-        self.moved = true;
-        Ok(())
-    }
-}
-
-impl Drop for Partial {
-    fn drop(&mut self) {
-        if !self.moved {
-            // Nothing can be told from here, and a leftover does no harm.
-            let _ = fs::remove_file(&self.path);
-        }
-    }
-}
-
-/// Makes the move itself last through a power cut.
-#[cfg(unix)]
-fn sync_folder(place: &Path) -> io::Result<()> {
-    use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
-    let folder = match place.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    match File::open(folder).and_then(|folder| folder.sync_all()) {
-        // The file is whole and in its place. Not every file system can do more, nor may a folder always be opened.
-        Err(cause) if matches!(cause.kind(), InvalidInput | PermissionDenied | Unsupported) => Ok(()),
-        other => other,
-    }
-}
-
-/// Folders cannot be opened as files here; the file itself is on the disk.
-#[cfg(not(unix))]
-fn sync_folder(_place: &Path) -> io::Result<()> {
-    Ok(())
 }

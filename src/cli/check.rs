@@ -1,7 +1,7 @@
-use super::{Failure, Options, Terminal, study};
+use super::{Failure, Options, Replace, Terminal, claim, help, inputs_of, study};
 use specval::check::{self, Baseline, CheckEffort, Checked, Verdict, annotations, junit, table};
-use specval::report::{check_writable, write_whole};
-use specval::run::Plan;
+use specval::output::write_whole;
+use specval::run::{FileKind, sample_files};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -18,8 +18,7 @@ pub struct Arguments {
     /// An eighth of the paths, tolerances of what is random 2.8 times as wide.
     #[arg(long)]
     quick: bool,
-    /// Test a measurement instead of a study: a built-in name, a folder or a CSV file. Tolerances are the study's.
-    #[arg(long, value_name = "SAMPLE", conflicts_with_all = ["quick", "against"])]
+    #[arg(long, help = format!("Test a measurement instead of a study: a built-in name ({}), a folder or a file. Tolerances are the study's", help::samples()), value_name = "SAMPLE", conflicts_with_all = ["quick", "against"])]
     sample: Option<String>,
     /// Compare with an earlier result as well: the document of `check --json`.
     #[arg(long, value_name = "FILE")]
@@ -30,22 +29,30 @@ pub struct Arguments {
     /// Print annotations for GitHub Actions on stderr.
     #[arg(long)]
     github: bool,
+    #[command(flatten)]
+    replace: Replace,
 }
 
 const BROKEN: u8 = 1;
 const UNDECIDED: u8 = 2;
 
-pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<ExitCode, Failure> {
-    if let Some(path) = &arguments.junit {
-        check_writable(path)?;
-    }
+pub fn run(arguments: &Arguments, options: &Options) -> Result<ExitCode, Failure> {
     let study = study::load(arguments.study.as_deref(), options)?;
+    let mut inputs = inputs_of(arguments.study.as_deref(), &study);
+    inputs.extend(arguments.against.clone());
+    inputs.extend(arguments.sample.iter().flat_map(|sample| sample_files(sample)));
+    let outputs: Vec<&Path> = arguments.junit.as_deref().into_iter().collect();
+    let (places, terminal) = &claim(&outputs, &inputs, &arguments.replace, options)?;
     let checked = match &arguments.sample {
-        Some(sample) => check::sample(sample, &study.check)?,
+        Some(sample) => {
+            // A gate would call a file of another kind a broken measurement.
+            study::expect_sample(sample)?;
+            check::sample(sample, &study.check)?
+        }
         None => of_study(arguments, options, terminal, study)?,
     };
-    if let Some(path) = &arguments.junit {
-        write_whole(path, &junit(&checked)?)?;
+    for place in places {
+        write_whole(place, &junit(&checked)?)?;
     }
     if arguments.github {
         // With stderr closed there is no one left to annotate for.
@@ -68,14 +75,19 @@ fn of_study(
     let baseline = arguments
         .against
         .as_deref()
-        .map(|path: &Path| Baseline::read(path))
+        .map(|path: &Path| {
+            Baseline::read(path).map_err(|error| {
+                let due = |kind| kind == FileKind::Check;
+                study::or_other_kind(error, path, "the document of `specval check --json`", due)
+            })
+        })
         .transpose()?;
     let effort = match options.paths {
         Some(paths) => CheckEffort::of_paths(paths.get())?,
         None if arguments.quick => CheckEffort::quick(),
         None => CheckEffort::standard(),
     };
-    let plan = Plan::new(study)?;
+    let plan = study::plan(study)?;
     let checking = terminal.progress("checking");
     let checked = check::study(&plan, effort, &|share| checking.advance(share));
     checking.finish();

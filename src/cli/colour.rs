@@ -1,9 +1,10 @@
-use super::{Failure, Terminal};
+use super::{Failure, Terminal, study};
 use serde::Serialize;
 use specval::colour::{Adaptation, Colour, ColourSystem, Convention, Illuminant, Observer, RgbSpace};
+use specval::run::FileKind;
 use specval::spectrum::read_spectra;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Sums run over exactly the wavelengths of the file; the perfect diffuser has Y = 1 and is the white of Lab. RGB is
 /// linear and never clipped.
@@ -42,7 +43,7 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     };
     let mut colours = Vec::new();
     let mut system: Option<ColourSystem> = None;
-    for (name, samples) in read_spectra(&arguments.file)? {
+    for (name, samples) in read_spectra(&arguments.file).map_err(|error| no_spectra(error, &arguments.file))? {
         // All spectra of a file stand on one grid.
         let system = match &mut system {
             Some(system) => system,
@@ -54,6 +55,12 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         });
     }
     terminal.result(&colours, |colours| text(colours, &convention))
+}
+
+/// Why this is no table of spectra.
+fn no_spectra(error: impl Into<Failure>, path: &Path) -> Failure {
+    let due = |kind| matches!(kind, FileKind::Spectra | FileKind::Sample);
+    study::or_other_kind(error, path, "a table of spectra", due)
 }
 
 fn text(colours: &[NamedColour], convention: &Convention) -> String {

@@ -1,9 +1,10 @@
 use super::inspect::Reading;
-use super::{Failure, Terminal};
+use super::{Failure, Options, Replace, claim, in_words};
 use serde::Serialize;
 use specval::formats::{self, Encoding, Format, Scatter, WriteOptions};
-use specval::report::{check_writable, write_whole};
+use specval::output::write_whole;
 use std::path::{Path, PathBuf};
+use std::slice;
 
 /// Writes the same data in another format. What the format cannot hold is resampled or left out, and told on stderr.
 #[derive(Debug, clap::Args)]
@@ -14,32 +15,27 @@ pub struct Arguments {
     /// File to write; without --to its extension says in which format.
     #[arg(value_name = "OUT")]
     output: PathBuf,
-    /// Format to write.
+    /// Format to write: csv, ddr, sdr, ssdd, ssdd-binary, astm, merl, rgl or klems.
     #[arg(long, value_name = "FORMAT", value_parser = target_of)]
     to: Option<Target>,
-    /// Replace OUT where it exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    replace: Replace,
     #[command(flatten)]
     reading: Reading,
 }
 
 #[derive(Debug, thiserror::Error)]
 pub(super) enum ConvertError {
-    #[error("{}: exists already and is left as it is; name another file, or replace it with --force", path.display())]
-    Exists { path: PathBuf },
     #[error(
         "{}: expected an extension that names a format (csv, ddr, ddt, sdr, sdt, ssdd, astm, binary, bsdf, xml), found none \
          of them; say --to FORMAT", path.display()
     )]
     Extension { path: PathBuf },
-    #[error("{}: is the file that is read; name another", path.display())]
-    Same { path: PathBuf },
 }
 
 #[derive(Serialize)]
 struct Converted {
-    output: PathBuf,
+    output: String,
     format: &'static str,
     bytes: usize,
     notices: Vec<String>,
@@ -97,40 +93,31 @@ pub(super) fn by_extension(path: &Path) -> (Option<Format>, Option<Scatter>) {
     }
 }
 
-pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let output = &arguments.output;
     let (by_name, scatter) = by_extension(output);
     let Target { format, encoding } = arguments
         .to
         .or(by_name.map(Target::from))
         .ok_or_else(|| ConvertError::Extension { path: output.clone() })?;
-    if output.symlink_metadata().is_ok() {
-        if !arguments.force {
-            return Err(ConvertError::Exists { path: output.clone() }.into());
-        }
-        if let (Ok(from), Ok(to)) = (arguments.input.canonicalize(), output.canonicalize())
-            && from == to
-        {
-            return Err(ConvertError::Same { path: output.clone() }.into());
-        }
-    }
-    check_writable(output)?;
-    let data = formats::read(&arguments.input, &arguments.reading.options())?;
+    let inputs = slice::from_ref(&arguments.input);
+    let (places, terminal) = claim(&[output], inputs, &arguments.replace, options)?;
+    let data = arguments.reading.read(&arguments.input)?;
     for warning in &data.warnings {
         terminal.notice(warning);
     }
     let written = formats::write(&data, format, &WriteOptions { scatter, encoding })?;
-    write_whole(output, &written.bytes)?;
+    write_whole(&places[0], &written.bytes)?;
     for notice in &written.notices {
         terminal.notice(notice);
     }
     let converted = Converted {
-        output: output.clone(),
+        output: in_words(output),
         format: format.name(),
         bytes: written.bytes.len(),
         notices: data.warnings.iter().chain(&written.notices).cloned().collect(),
     };
     terminal.result(&converted, |c| {
-        format!("{} bytes of {} written to {}\n", c.bytes, c.format, c.output.display())
+        format!("{} bytes of {} written to {}\n", c.bytes, c.format, c.output)
     })
 }

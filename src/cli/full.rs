@@ -1,12 +1,12 @@
 use super::convert::{ConvertError, Target, by_extension, target_of};
-use super::stopping::beside;
-use super::{Failure, Options, Terminal};
+use super::{Failure, Options, Replace, Terminal, claim, in_words};
 use serde::Serialize;
 use specval::artefact::Identity;
 use specval::formats::{
     self, Channels, Encoding, Format, Goniometric, KlemsBasis, Provenance, Scatter, Side, WriteError, WriteOptions,
 };
-use specval::report::{InputDigest, check_writable, write_whole};
+use specval::output::{Place, beside, write_all};
+use specval::report::InputDigest;
 use specval::run::{
     Cells, Colours, FactorCloth, FullBsdf, FullMeasurement, HemisphericalRow, Plan, Symmetry, VolumetricCloth,
     symmetries,
@@ -37,20 +37,20 @@ pub struct Arguments {
     /// format that can be written, and beside it is FILE.hemispherical.csv. --paths are particles of each incidence.
     #[arg(long, conflicts_with_all = ["until", "max_time", "resume"])]
     pub full: bool,
-    /// Format to write; without it the extension of --out says.
+    /// Format to write: csv, ddr, sdr, ssdd, ssdd-binary, astm, merl, rgl or klems; without it the extension of --out says.
     #[arg(long, value_name = "FORMAT", value_parser = target_of, requires = "full")]
     to: Option<Target>,
-    /// What to write in a format that holds one of the two.
+    /// What to write in a format that holds one of the two: reflection or transmission.
     #[arg(long, value_name = "KIND", value_parser = scatter_of, requires = "full")]
     scatter: Option<Scatter>,
     /// Linear sRGB under D65 in place of spectra.
     #[arg(long, requires = "full")]
     rgb: bool,
     /// Polar step of incident and outgoing directions, degrees; a right angle has 2 to 90 of them.
-    #[arg(long, value_name = "DEG", value_parser = step, default_value = "10", requires = "full")]
+    #[arg(long, value_name = "DEG", value_parser = step, allow_negative_numbers = true, default_value = "10", requires = "full")]
     theta_step: Step,
     /// Step of azimuths, degrees; a right angle has 1 to 90 of them.
-    #[arg(long, value_name = "DEG", value_parser = step, default_value = "15", requires = "full")]
+    #[arg(long, value_name = "DEG", value_parser = step, allow_negative_numbers = true, default_value = "15", requires = "full")]
     phi_step: Step,
     /// Trace every incidence, also those that the weave's symmetry gives.
     #[arg(long, requires = "full")]
@@ -58,9 +58,6 @@ pub struct Arguments {
     /// CSV file for the standard errors of the spectra, in the layout of the values.
     #[arg(long, value_name = "FILE", requires = "full")]
     errors: Option<PathBuf>,
-    /// Replace files that exist.
-    #[arg(long, requires = "full")]
-    force: bool,
 }
 
 /// A right angle in so many steps.
@@ -109,8 +106,9 @@ enum FullError {
 
 #[derive(Serialize)]
 struct Measured {
-    output: PathBuf,
-    hemispherical_csv: PathBuf,
+    output: String,
+    /// None beside a stream.
+    hemispherical_csv: Option<String>,
     format: &'static str,
     bytes: usize,
     incidences: usize,
@@ -128,25 +126,51 @@ struct Settings<'a> {
     inputs: &'a [InputDigest],
 }
 
+/// Where the files of a full measurement go.
+pub struct Files {
+    output: Place,
+    hemispherical: Option<Place>,
+    errors: Option<Place>,
+}
+
+/// Finds the places of all files, before any work; where the output is a stream there is none beside it.
+pub fn claim_files(
+    out: &Path,
+    full: &Arguments,
+    inputs: &[PathBuf],
+    replace: &Replace,
+    options: &Options,
+) -> Result<(Files, Terminal), Failure> {
+    full.target(out)?;
+    let beside = beside(out, ".hemispherical.csv");
+    let is_file = Place::find(out)?.is_file();
+    let mut outputs = vec![out];
+    outputs.extend(is_file.then_some(beside.as_path()));
+    outputs.extend(full.errors.as_deref());
+    let (places, terminal) = claim(&outputs, inputs, replace, options)?;
+    let mut places = places.into_iter();
+    let output = places.next().map_or_else(|| Place::find(out), Ok)?;
+    let hemispherical = if is_file { places.next() } else { None };
+    Ok((
+        Files {
+            output,
+            hemispherical,
+            errors: places.next(),
+        },
+        terminal,
+    ))
+}
+
 pub fn run(
     plan: &Plan,
     method: MethodChoice,
-    out: &Path,
+    files: &Files,
     full: &Arguments,
     options: &Options,
     terminal: &Terminal,
 ) -> Result<(), Failure> {
+    let out = files.output.path();
     let (Target { format, encoding }, scatter) = full.target(out)?;
-    let hemispherical = beside(out, ".hemispherical.csv");
-    for path in [Some(out), Some(&hemispherical), full.errors.as_deref()]
-        .into_iter()
-        .flatten()
-    {
-        if !full.force && path.symlink_metadata().is_ok() {
-            return Err(ConvertError::Exists { path: path.to_owned() }.into());
-        }
-        check_writable(path)?;
-    }
     let batches = plan.direct_effort.batches;
     let particles = options.paths.map_or(PATHS, u64::from).div_ceil(batches as u64) as usize;
     let mut group = symmetries(&plan.cloth_spec, plan.weft.is_none(), true);
@@ -209,34 +233,46 @@ pub fn run(
     match format {
         Format::Sdr | Format::Ssdd => {}
         Format::RadianceXml => notices.push(GAPS_IN_PATCHES.into()),
-        _ => notices.push(format!(
-            "light straight through the gaps is not in the file; its fraction is in {}",
-            hemispherical.display()
-        )),
+        _ => {
+            let gaps = "light straight through the gaps is not in the file";
+            notices.push(match &files.hemispherical {
+                Some(place) => format!("{gaps}; its fraction is in {}", in_words(place.path())),
+                None => gaps.to_owned(),
+            });
+        }
     }
-    let errors = match &full.errors {
-        Some(path) => {
+    if files.hemispherical.is_none() {
+        notices
+            .push("hemispherical values are not written: they have a file beside the output, which is a stream".into());
+    }
+    let errors = match &files.errors {
+        Some(place) => {
             data.components = bsdf.errors(true);
             let of_component = WriteOptions {
                 scatter,
                 ..WriteOptions::default()
             };
-            Some((path, formats::write(&data, Format::Csv, &of_component)?.bytes))
+            Some((place, formats::write(&data, Format::Csv, &of_component)?.bytes))
         }
         None => None,
     };
     let rows = bsdf.hemispherical();
-    write_whole(&hemispherical, &csv_of(&rows, &data.provenance.comments)?)?;
-    if let Some((path, bytes)) = errors {
-        write_whole(path, &bytes)?;
-    }
-    write_whole(out, &written.bytes)?;
+    let hemispherical = csv_of(&rows, &data.provenance.comments)?;
+    let mut set = vec![(&files.output, written.bytes.as_slice())];
+    set.extend(
+        files
+            .hemispherical
+            .iter()
+            .map(|place| (place, hemispherical.as_slice())),
+    );
+    set.extend(errors.iter().map(|(place, bytes)| (*place, bytes.as_slice())));
+    write_all(&set)?;
     for notice in &notices {
         terminal.notice(notice);
     }
     let measured = Measured {
-        output: out.to_owned(),
-        hemispherical_csv: hemispherical,
+        output: in_words(out),
+        hemispherical_csv: files.hemispherical.as_ref().map(|place| in_words(place.path())),
         format: format.name(),
         bytes: written.bytes.len(),
         incidences,
@@ -251,7 +287,7 @@ pub fn run(
             "{} bytes of {} written to {}\n{} of {} incidences traced, {} particles each; median standard error of f {}\n",
             m.bytes,
             m.format,
-            m.output.display(),
+            m.output,
             m.incidences_traced,
             m.incidences,
             m.particles_per_incidence,

@@ -1,11 +1,12 @@
-use super::{Failure, Terminal};
+use super::{Failure, Terminal, study};
 use serde::Serialize;
 use specval::formats::{
-    self, AngleUnit, Axis, Channels, Component, Fold, Goniometric, Parameters, Provenance, Quantity, ReadOptions,
-    Scatter, Side, Table,
+    self, AngleUnit, Axis, Channels, Component, Fold, Goniometric, Hemispherical, Parameters, Provenance, Quantity,
+    ReadOptions, Scatter, Side, Table,
 };
+use specval::run::FileKind;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What some formats leave open.
 #[derive(Debug, clap::Args)]
@@ -20,7 +21,7 @@ pub struct Reading {
     #[arg(long)]
     degrees: bool,
     /// Factor from a UTIA file's numbers to 1/sr.
-    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
     scale: Option<f64>,
 }
 
@@ -32,7 +33,14 @@ fn factor(text: &str) -> Result<f64, String> {
 }
 
 impl Reading {
-    pub fn options(&self) -> ReadOptions {
+    /// Reads a goniometric file; of another file it says what that is.
+    pub fn read(&self, path: &Path) -> Result<Goniometric, Failure> {
+        let due = |kind| matches!(kind, FileKind::Goniometric(_) | FileKind::Sample);
+        let read = formats::read(path, &self.options());
+        read.map_err(|error| study::or_other_kind(error, path, "a goniometric file", due))
+    }
+
+    fn options(&self) -> ReadOptions {
         let scatter = match (self.transmission, self.reflection) {
             (true, _) => Some(Scatter::Transmission),
             (_, true) => Some(Scatter::Reflection),
@@ -90,12 +98,14 @@ struct AxisRow {
 struct Reflectance {
     theta_i_deg: f64,
     values: Vec<f64>,
+    /// Estimated errors of the integration, not of the measurement.
+    errors: Vec<f64>,
     /// Share of the projected hemisphere that was measured.
     measured: f64,
 }
 
 pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
-    let data = formats::read(&arguments.file, &arguments.reading.options())?;
+    let data = arguments.reading.read(&arguments.file)?;
     terminal.result(&inspect(data), text)
 }
 
@@ -141,14 +151,24 @@ fn part(component: &Component) -> Part {
     };
     let reflectance = component.incidences_deg().into_iter().filter_map(|theta_i_deg| {
         let theta_i_rad = theta_i_deg.to_radians();
-        let (values, measured) = match &component.table {
-            Table::Specular(table) => (table.fraction(theta_i_rad, 0.0)?, 1.0),
+        let found = match &component.table {
+            Table::Specular(table) => {
+                let values = table.fraction(theta_i_rad, 0.0)?;
+                let errors = vec![0.0; values.len()];
+                let measured = 1.0;
+                Hemispherical {
+                    values,
+                    errors,
+                    measured,
+                }
+            }
             _ => component.directional_hemispherical(theta_i_rad, 0.0)?,
         };
         Some(Reflectance {
             theta_i_deg,
-            values,
-            measured,
+            values: found.values,
+            errors: found.errors,
+            measured: found.measured,
         })
     });
     Part {
@@ -248,11 +268,15 @@ fn text(of: &Inspection) -> String {
             let _ = writeln!(text, "{:<14} {shown} deg", axis.name);
         }
         if !part.reflectance.is_empty() {
-            let _ = writeln!(text, "theta_i, deg   hemispherical, a value a channel");
+            let _ = writeln!(
+                text,
+                "theta_i, deg   hemispherical, a value a channel, and the largest error of its integration"
+            );
         }
         for r in &part.reflectance {
             let values: Vec<String> = r.values.iter().map(|v| format!("{v:.6}")).collect();
-            let _ = writeln!(text, "{:<14} {}", r.theta_i_deg, values.join(" "));
+            let error = r.errors.iter().copied().fold(0.0, f64::max);
+            let _ = writeln!(text, "{:<14} {} ± {error:.1e}", r.theta_i_deg, values.join(" "));
         }
     }
     for warning in &of.warnings {

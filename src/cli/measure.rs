@@ -1,7 +1,7 @@
-use super::stopping::beside;
-use super::{Failure, Options, Stopping, Terminal, full, state_beside, study};
+use super::{Failure, Options, Replace, Scratch, Stopping, claim, full, in_words, inputs_of, study};
 use serde::Serialize;
-use specval::report::{check_writable, effort_line, write_whole};
+use specval::output::{self, Place, beside, write_all};
+use specval::report::effort_line;
 use specval::run::{Plan, RunError, Simulator, StateFile, Watch, grazing_notice};
 use specval::study::MethodChoice;
 use specval::transport::Estimate;
@@ -22,6 +22,8 @@ pub struct Arguments {
     /// How light in the cloth is simulated, instead of the study's `[cloth] method`; with --full volumetric unless said here.
     #[arg(long, value_enum, value_name = "METHOD")]
     method: Option<Method>,
+    #[command(flatten)]
+    replace: Replace,
     #[command(flatten)]
     full: full::Arguments,
     #[command(flatten)]
@@ -64,32 +66,46 @@ struct Row {
     beta_se: f64,
 }
 
-pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let mut study = study::load(arguments.study.as_deref(), options)?;
     match arguments.method {
         Some(Method::RadianceFactor) => study.cloth.method = MethodChoice::RadianceFactor,
         Some(Method::Volumetric) => study.cloth.method = MethodChoice::Volumetric,
         None => {}
     }
-    let plan = Plan::new(study)?;
+    let inputs = inputs_of(arguments.study.as_deref(), &study);
+    let out = arguments.out.as_path();
     if arguments.full.full {
         // The study's method is that of curves; a full BSDF is the ground truth unless asked otherwise.
         let method = match arguments.method {
             Some(Method::RadianceFactor) => MethodChoice::RadianceFactor,
             Some(Method::Volumetric) | None => MethodChoice::Volumetric,
         };
-        return full::run(&plan, method, &arguments.out, &arguments.full, options, terminal);
+        let (files, terminal) = full::claim_files(out, &arguments.full, &inputs, &arguments.replace, options)?;
+        return full::run(
+            &study::plan(study)?,
+            method,
+            &files,
+            &arguments.full,
+            options,
+            &terminal,
+        );
     }
+    let energy_file = beside(out, ".energy.csv");
+    let mut outputs = vec![out];
+    if Place::find(out)?.is_file() {
+        outputs.push(&energy_file);
+    }
+    let (places, terminal) = &claim(&outputs, &inputs, &arguments.replace, options)?;
+    let plan = study::plan(study)?;
     let notice = grazing_notice(&plan).map_err(RunError::from)?;
-    check_writable(&arguments.out)?;
-    let energy_file = beside(&arguments.out, ".energy.csv");
-    check_writable(&energy_file)?;
+    let scratch = Scratch::take(out, &inputs, arguments.stopping.limits.resume)?;
     let wavelengths = plan.grid.len();
     let stopping = &arguments.stopping;
     let rule = stopping.rule(plan.direct_effort.batches, options);
     let watch = Watch::new(&plan, &plan.geometries(), rule.precision, false)?;
     let simulator = Simulator::new(&plan, plan.geometries())?;
-    let state = StateFile::new(state_beside(&arguments.out), "measure", &plan)?;
+    let state = StateFile::new(scratch.state.clone(), "measure", &plan)?;
     let simulation = stopping.simulate(&simulator, watch, &state, &rule, terminal)?;
     let effort = effort_line(&simulation.effort);
     let energy = energy_rows(&plan, &simulator.incidences_deg(), &simulation.cloth);
@@ -120,22 +136,32 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     for row in &rows {
         csv.serialize(row)?;
     }
-    write_whole(&arguments.out, &csv.into_inner()?)?;
+    let curves_csv = csv.into_inner()?;
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    for row in &energy {
+        csv.serialize(row)?;
+    }
+    let energy_csv = csv.into_inner()?;
+    let mut set = vec![(&places[0], curves_csv.as_slice())];
     let mut also = String::new();
-    if !energy.is_empty() {
-        let mut csv = csv::Writer::from_writer(Vec::new());
-        for row in &energy {
-            csv.serialize(row)?;
+    match places.get(1) {
+        Some(place) if !energy.is_empty() => {
+            set.push((place, &energy_csv));
+            also = format!(", where the light went to {}", in_words(&energy_file));
         }
-        write_whole(&energy_file, &csv.into_inner()?)?;
-        also = format!(", where the light went to {}", energy_file.display());
+        _ => {}
+    }
+    write_all(&set)?;
+    if places.len() > set.len() {
+        // That of an earlier run, of which --force said that it may go.
+        output::remove(&energy_file)?;
     }
     state.remove()?;
     terminal.result(&rows, |rows| {
         format!(
             "{} brightness factors written to {}{also}\n{effort}\n",
             rows.len(),
-            arguments.out.display()
+            in_words(out)
         )
     })
 }

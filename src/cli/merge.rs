@@ -1,9 +1,8 @@
 use super::trace::print_ledger;
-use super::{Failure, Terminal};
-use specval::report::check_writable;
-use specval::run;
-use std::fs;
-use std::path::{Path, PathBuf};
+use super::{Failure, Options, Replace, claim};
+use specval::artefact;
+use specval::run::{self, FileKind, OtherKind};
+use std::path::PathBuf;
 
 /// Adds the shards of one study: the same file, bit for bit, as one run of all of it writes. Only reads the shards.
 #[derive(Debug, clap::Args)]
@@ -14,36 +13,24 @@ pub struct Arguments {
     /// File for the artefact.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    replace: Replace,
 }
 
-#[derive(Debug, thiserror::Error)]
-#[error("--out {}: expected a place for the artefact, found one of the shards, {}; name another place", out.display(), shard.display())]
-struct OutIsShard {
-    out: PathBuf,
-    shard: PathBuf,
-}
-
-pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
-    let Arguments { shards, out } = arguments;
-    if let Some(shard) = shards.iter().find(|shard| is_same(shard, out)) {
-        return Err(Box::new(OutIsShard {
-            out: out.clone(),
-            shard: shard.clone(),
-        }));
-    }
-    check_writable(out)?;
+pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
+    let Arguments { shards, out, replace } = arguments;
+    let (_, terminal) = &claim(&[out], shards, replace, options)?;
     let merging = terminal.progress("adding the shards");
     let artefact = run::merge_shards(shards, &|share| merging.advance(share));
     merging.finish();
-    let artefact = artefact?;
+    let artefact = artefact.map_err(|error| {
+        // Unsound shards, and shards that do not fit each other, keep their own message.
+        let due = |kind| kind == FileKind::Artefact(artefact::Kind::Shard);
+        let other = shards
+            .iter()
+            .find_map(|path| OtherKind::find(path, "a shard of a trace", due));
+        other.map_or_else(|| Failure::from(error), Failure::from)
+    })?;
     artefact.write(out)?;
     print_ledger(&artefact.energy, None, terminal)
-}
-
-/// Whether both lead to one file, by whatever links.
-fn is_same(a: &Path, b: &Path) -> bool {
-    match (fs::canonicalize(a), fs::canonicalize(b)) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    }
 }

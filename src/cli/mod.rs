@@ -7,12 +7,15 @@ pub mod check;
 pub mod colour;
 pub mod convert;
 mod full;
+mod help;
 pub mod init;
 pub mod inspect;
 pub mod measure;
 pub mod medium;
 pub mod merge;
 pub mod mie;
+mod numbers;
+mod outputs;
 pub mod reabsorb;
 pub mod report;
 mod stopping;
@@ -22,15 +25,19 @@ pub mod trace;
 pub mod validate;
 pub mod weave;
 
-pub use stopping::{Limits, Stopping, recorded_command, state_beside};
+pub use outputs::{Replace, Scratch, claim, in_words, inputs_of};
+pub use stopping::{Limits, Stopping, recorded_command};
 pub use terminal::{Failure, Terminal, exit};
 
 use clap::{Args, Parser, Subcommand};
 use std::num::{NonZeroU64, NonZeroUsize};
 
+/// Tells builds apart: `build.rs`. Files record the version alone.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("SPECVAL_BUILD"), ")");
+
 /// Decides whether a physical model of cloth scatters light as a measured sample does.
 #[derive(Debug, Parser)]
-#[command(name = "specval", version, disable_help_subcommand = true)]
+#[command(name = "specval", version = VERSION)]
 pub struct TypedCommand {
     #[command(subcommand)]
     pub command: Command,
@@ -41,32 +48,46 @@ pub struct TypedCommand {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Model and classical shading against a measured sample: graphs, Table 1, energy table.
+    #[command(after_long_help = help::REPORT)]
     Report(report::Arguments),
     /// Write study.toml with every default and what it means.
+    #[command(after_long_help = help::init())]
     Init(init::Arguments),
     /// Mie scattering of one sphere: efficiencies and amplitudes.
+    #[command(after_long_help = help::MIE)]
     Mie(mie::Arguments),
     /// Scattering and absorption of the yarn's medium at each wavelength.
+    #[command(after_long_help = help::MEDIUM)]
     Medium(medium::Arguments),
     /// Monte Carlo of the yarn: energy ledger, BSSRDF, radiance factor.
+    #[command(after_long_help = help::TRACE)]
     Trace(trace::Arguments),
     /// Another dye, kappa or host absorption for a finished trace, without tracing.
+    #[command(after_long_help = help::REABSORB)]
     Reabsorb(reabsorb::Arguments),
     /// Add the shards of a trace: the same file as one run.
+    #[command(after_long_help = help::MERGE)]
     Merge(merge::Arguments),
     /// Brightness factors of the woven model on the virtual rig.
+    #[command(after_long_help = help::MEASURE)]
     Measure(measure::Arguments),
     /// Laws of physics as gates, on a study or a measurement: exit 0 holds, 1 broken, 2 cannot tell.
+    #[command(after_long_help = help::CHECK)]
     Check(check::Arguments),
     /// Reference problems (slabs, cylinders, spheres, yarns): value, reference, z-score.
+    #[command(after_long_help = help::VALIDATE)]
     Validate(validate::Arguments),
     /// Colours of spectra: XYZ, linear RGB and Lab.
+    #[command(after_long_help = help::COLOUR)]
     Colour(colour::Arguments),
     /// What a goniometric file holds.
+    #[command(after_long_help = help::INSPECT)]
     Inspect(inspect::Arguments),
     /// A goniometric file in another format.
+    #[command(after_long_help = help::CONVERT)]
     Convert(convert::Arguments),
     /// The drawdown of a weave draft.
+    #[command(after_long_help = help::WEAVE)]
     Weave(weave::Arguments),
 }
 
@@ -78,13 +99,13 @@ pub struct Options {
     #[arg(long, global = true)]
     pub json: bool,
     /// Seed of the random streams, instead of the study's. The same seed gives the same bits.
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", value_parser = numbers::seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Threads to work with [default: one a core]. Results do not depend on it.
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", value_parser = numbers::threads, allow_negative_numbers = true)]
     pub threads: Option<NonZeroUsize>,
     /// Paths for each incident direction, instead of the study's. With --until they are the most that are traced.
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", value_parser = numbers::paths, allow_negative_numbers = true)]
     pub paths: Option<NonZeroU64>,
     /// No progress and no notes on stderr.
     #[arg(long, global = true)]

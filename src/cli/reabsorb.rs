@@ -1,9 +1,11 @@
-use super::{Failure, Options, Terminal};
+use super::{Failure, Options, Replace, claim, help, study};
 use serde::Serialize;
-use specval::report::{LedgerRange, check_writable, ledger_ranges, ledger_table};
-use specval::run::{Reabsorbed, YarnArtefact, reabsorb};
+use specval::artefact;
+use specval::report::{LedgerRange, ledger_ranges, ledger_table};
+use specval::run::{FileKind, Reabsorbed, YarnArtefact, input_files, reabsorb};
 use specval::study::NumberOrTable;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::slice;
 
 /// Applies another absorption to a trace without tracing, along the path lengths it kept.
 ///
@@ -19,14 +21,21 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Imaginary part of the particles' index at the peak of the dye, as medium.kappa_peak.
-    #[arg(long, value_name = "KAPPA", group = "change")]
+    #[arg(long, value_name = "KAPPA", allow_negative_numbers = true, group = "change")]
     kappa_peak: Option<f64>,
-    /// A built-in dye or a CSV file, as medium.dye.
-    #[arg(long, value_name = "NAME|FILE", group = "change")]
+    #[arg(long, help = format!("A built-in dye ({}) or a CSV file, as medium.dye", help::dyes()), value_name = "NAME|FILE", group = "change")]
     dye: Option<String>,
     /// Absorption coefficient of the host in 1/mm, as medium.host_mu_a_per_mm.
-    #[arg(long, value_name = "PER_MM", group = "change")]
+    #[arg(long, value_name = "PER_MM", allow_negative_numbers = true, group = "change")]
     host_mu_a: Option<f64>,
+    #[command(flatten)]
+    replace: Replace,
+}
+
+/// Why this is no artefact.
+fn no_artefact(error: impl Into<Failure>, path: &Path) -> Failure {
+    let due = |kind| kind == FileKind::Artefact(artefact::Kind::Artefact);
+    study::or_other_kind(error, path, "the artefact of a trace", due)
 }
 
 #[derive(Serialize)]
@@ -35,12 +44,20 @@ struct Document<'a> {
     reabsorbed: &'a Reabsorbed,
 }
 
-pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     if options.seed.is_some() || options.paths.is_some() {
         return Err("--seed and --paths: nothing is traced here; leave them out".into());
     }
-    check_writable(&arguments.out)?;
-    let (artefact, source) = YarnArtefact::read_with_digest(&arguments.artefact)?;
+    let out = arguments.out.as_path();
+    // Before the artefact is read, and again when the tables that its study names are known.
+    claim(
+        &[out],
+        slice::from_ref(&arguments.artefact),
+        &arguments.replace,
+        options,
+    )?;
+    let (artefact, source) =
+        YarnArtefact::read_with_digest(&arguments.artefact).map_err(|error| no_artefact(error, &arguments.artefact))?;
     let mut medium = artefact.layout.settings.study.medium.clone();
     if let Some(kappa_peak) = arguments.kappa_peak {
         medium.kappa_peak = kappa_peak;
@@ -51,6 +68,11 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     if let Some(host_mu_a) = arguments.host_mu_a {
         medium.host_mu_a_per_mm = NumberOrTable::Number(host_mu_a);
     }
+    let mut study = artefact.layout.settings.study.clone();
+    let mut inputs = input_files(&study);
+    study.medium.clone_from(&medium);
+    inputs.extend(input_files(&study));
+    let (_, terminal) = claim(&[out], &inputs, &arguments.replace, options)?;
     let artefact = reabsorb(artefact, source, medium)?;
     artefact.write(&arguments.out)?;
     let Some(reabsorbed) = artefact.layout.settings.reabsorbed.last() else {

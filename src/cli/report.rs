@@ -1,9 +1,11 @@
-use super::{Failure, Options, Stopping, Terminal, recorded_command, study};
+use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, inputs_of, recorded_command, study};
 use serde::Serialize;
-use specval::report::{NamedFile, OutputFolder, render, report_json, summary};
-use specval::run::{self, Plan, Simulator, StateFile, Watch};
+use specval::compare::Geometry;
+use specval::output::{NamedFile, ReportFolder};
+use specval::report::{file_names, render, report_json, summary};
+use specval::run::{self, Simulator, StateFile, Watch};
 use specval::study::Study;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The preprint's main job: model and classical shading against the measured sample. Writes graphs, table1, curves.csv,
 /// energy.csv and report.json.
@@ -21,15 +23,22 @@ pub struct Arguments {
     /// Compare the ways to follow light in the cloth, each with the study's effort: approximations.csv and locality.csv. Minutes.
     #[arg(long)]
     approximations: bool,
-    /// Measured sample instead of the study's: a built-in name, a folder or a CSV file.
-    #[arg(long, value_name = "SAMPLE")]
+    #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file", help::samples()), value_name = "SAMPLE")]
     measured: Option<String>,
+    #[command(flatten)]
+    replace: Replace,
     #[command(flatten)]
     stopping: Stopping,
 }
 
-/// File in the report's folder that an interrupted run goes on from.
-const STATE: &str = "specval.state";
+/// Tables of --approximations.
+const APPROXIMATIONS: [&str; 2] = ["approximations.csv", "locality.csv"];
+
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "--out -: a report is a folder of files and cannot go to stdout; name a folder, such as ./-, or print its document with --json"
+)]
+struct NoFolder;
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
     let mut study = study::load(arguments.study.as_deref(), options)?;
@@ -41,17 +50,25 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         quicken(&mut study);
         notices.push("--quick: paths and camera rays are reduced; `study` holds the numbers that were used".into());
     }
-    let plan = Plan::new(study)?;
-    let folder = OutputFolder::prepare(&arguments.out)?;
+    if arguments.out == Path::new("-") {
+        return Err(NoFolder.into());
+    }
+    let inputs = inputs_of(arguments.study.as_deref(), &study);
+    let plan = study::plan(study)?;
     let geometries = run::report_geometries(&plan);
+    let mut names = file_names(incidences(&geometries));
+    if arguments.approximations {
+        names.extend(APPROXIMATIONS.map(str::to_owned));
+    }
+    let folder = ReportFolder::prepare(&arguments.out, &names, &inputs, arguments.replace.force)?;
     let stopping = &arguments.stopping;
     let rule = stopping.rule(plan.direct_effort.batches, options);
     let watch = Watch::new(&plan, &geometries, rule.precision, true)?;
     let simulator = Simulator::new(&plan, geometries)?;
-    let state = StateFile::new(folder.path().join(STATE), "report", &plan)?;
+    let state = StateFile::new(Some(folder.path().join(ReportFolder::STATE)), "report", &plan)?;
     let simulation = stopping.simulate(&simulator, watch, &state, &rule, terminal)?;
     let measuring = terminal.progress("measuring and sweeping");
-    let command = recorded_command(std::env::args());
+    let command = recorded_command(std::env::args_os());
     let data = run::report(&plan, &simulation, command, notices, &|share| measuring.advance(share))?;
     measuring.finish();
     let mut files = render(&data)?;
@@ -59,10 +76,15 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         let comparing = terminal.progress("comparing approximations");
         let rows = run::approximations(&plan, &|share| comparing.advance(share))?;
         comparing.finish();
-        files.push(table("approximations.csv", &rows)?);
-        files.push(table("locality.csv", &run::locality(&plan)?)?);
+        files.push(table(APPROXIMATIONS[0], &rows)?);
+        files.push(table(APPROXIMATIONS[1], &run::locality(&plan)?)?);
     }
-    folder.write(&files)?;
+    for name in folder.write(&files)? {
+        terminal.notice(&format!(
+            "{}: of the earlier report in this folder, removed",
+            in_words(folder.path().join(name))
+        ));
+    }
     state.remove()?;
     if options.json {
         return terminal.print(&report_json(&data)?);
@@ -70,7 +92,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     terminal.print(&format!(
         "{}\nwritten to {}\n",
         summary(&data).trim_end(),
-        folder.path().display()
+        in_words(folder.path())
     ))
 }
 
@@ -83,6 +105,14 @@ fn table<T: Serialize>(name: &str, rows: &[T]) -> Result<NamedFile, Failure> {
         name: name.to_owned(),
         bytes: csv.into_inner()?,
     })
+}
+
+/// Incidences of which there is a graph, at most.
+fn incidences(geometries: &[Geometry]) -> usize {
+    let mut incidences: Vec<f64> = geometries.iter().map(|geometry| geometry.theta_i_deg).collect();
+    incidences.sort_by(f64::total_cmp);
+    incidences.dedup();
+    incidences.len()
 }
 
 fn quicken(study: &mut Study) {

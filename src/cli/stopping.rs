@@ -1,8 +1,9 @@
 //! When a long run stops, and how it goes on after a kill.
 
-use super::{Failure, Options, Terminal};
+use super::{Failure, Options, Terminal, in_words};
 use specval::run::{self, Precision, Schedule, Simulation, Simulator, StateFile, StopRule, Watch};
-use std::path::{Path, PathBuf};
+use std::ffi::OsString;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 #[derive(Debug, clap::Args)]
@@ -10,7 +11,7 @@ use std::time::{Duration, Instant};
 pub struct Stopping {
     /// Go on until each standard error is below this: "rel 1%" or "abs 0.001", of the `curves` or, with that word behind
     /// it, of the `ratios` of Table 1. Makes more batches than the study if need be, or with --paths no more than those.
-    #[arg(long, value_name = "PRECISION")]
+    #[arg(long, value_name = "PRECISION", allow_hyphen_values = true)]
     pub until: Option<Precision>,
     #[command(flatten)]
     pub limits: Limits,
@@ -23,11 +24,11 @@ pub struct Limits {
     /// Trace no longer than this, such as 90s, 2min or 1h, but two batches in any case; the time of
     /// a run that is resumed does not count. The sweep, with paths in proportion to
     /// what was traced, and the graphs come on top.
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub max_time: Option<Duration>,
     /// Least time between two savings of the state that --resume goes on from, more where saving would take over 5 % of the
     /// time; 0s saves after each round of batches.
-    #[arg(long, value_name = "TIME", value_parser = time, default_value = "5s")]
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true, default_value = "5s")]
     pub checkpoint: Duration,
     /// Go on from the state that a killed run of the same command left. Gives the same bytes as a run without a break.
     #[arg(long)]
@@ -67,15 +68,16 @@ impl Stopping {
         let mut resumed = Vec::new();
         if self.limits.resume {
             let found = state.load(simulator)?;
-            self.limits
-                .notice_resumed(state.path(), found.as_ref().map(Vec::len), terminal);
+            if let Some(path) = state.path() {
+                self.limits.notice_resumed(path, found.as_ref().map(Vec::len), terminal);
+            }
             resumed = found.unwrap_or_default();
         }
         let tracing = terminal.progress("tracing and measuring");
         let schedule = Schedule {
             rule,
             round: Simulator::ROUND,
-            checkpoint: Some(self.limits.checkpoint),
+            checkpoint: state.path().map(|_| self.limits.checkpoint),
             clock: &|| start.elapsed(),
             progress: &|share| tracing.advance(share),
         };
@@ -85,13 +87,13 @@ impl Stopping {
     }
 }
 
-/// The command, word by word, without the options that change no result: threads, quiet, checkpoints, resuming.
-pub fn recorded_command(words: impl IntoIterator<Item = String>) -> Vec<String> {
-    let mut words = words.into_iter();
+/// The command, word by word, without the options that change no result: threads, quiet, force, checkpoints, resuming.
+pub fn recorded_command(words: impl IntoIterator<Item = OsString>) -> Vec<String> {
+    let mut words = words.into_iter().map(in_words);
     let mut recorded = Vec::new();
     while let Some(word) = words.next() {
         match word.as_str() {
-            "--resume" | "--quiet" => {}
+            "--resume" | "--quiet" | "--force" => {}
             "--checkpoint" | "--threads" => {
                 words.next();
             }
@@ -105,18 +107,6 @@ pub fn recorded_command(words: impl IntoIterator<Item = String>) -> Vec<String> 
         }
     }
     recorded
-}
-
-/// The file with the state of the run that writes this one.
-pub fn state_beside(output: &Path) -> PathBuf {
-    beside(output, ".state")
-}
-
-/// The file beside another whose name has this ending more.
-pub fn beside(output: &Path, ending: &str) -> PathBuf {
-    let mut name = output.as_os_str().to_owned();
-    name.push(ending);
-    name.into()
 }
 
 fn time(text: &str) -> Result<Duration, String> {

@@ -1,6 +1,7 @@
 //! From what was typed to a study.
 
-use super::Options;
+use super::{Failure, Options};
+use specval::run::{FileKind, OtherKind, Plan, RunError};
 use specval::study::{Study, StudyError};
 use std::path::{Path, PathBuf};
 
@@ -15,24 +16,32 @@ pub enum LoadError {
     },
     #[error(transparent)]
     Study(#[from] StudyError),
+    #[error(transparent)]
+    OtherKind(#[from] OtherKind),
+    #[error(
+        "--paths: expected {batches} or more, a path for each of the study's batches, found {found}; raise --paths, or lower `trace.batches`"
+    )]
+    FewPaths { batches: u32, found: u64 },
 }
 
 /// The study of the file, or the built-in one, with the options of the command line in it.
 pub fn load(path: Option<&Path>, options: &Options) -> Result<Study, LoadError> {
     let mut study = match path {
         None => Study::default(),
-        Some(path) => {
-            let text = std::fs::read_to_string(path).map_err(|cause| LoadError::Read {
-                path: path.to_owned(),
-                cause,
-            })?;
-            Study::from_toml(&text, &path.display().to_string())?
-        }
+        Some(path) => read(path).map_err(|error| {
+            let due = |kind| kind == FileKind::Study;
+            OtherKind::find(path, "a study", due).map_or(error, LoadError::from)
+        })?,
     };
     if let Some(seed) = options.seed {
         study.seed = seed;
     }
     if let Some(paths) = options.paths {
+        let batches = study.trace.batches;
+        if paths.get() < u64::from(batches) {
+            let found = paths.get();
+            return Err(LoadError::FewPaths { batches, found });
+        }
         study.trace.paths_bssrdf = paths.get();
         study.trace.paths_direct = paths.get();
         study.trace.particles = paths.get();
@@ -40,4 +49,49 @@ pub fn load(path: Option<&Path>, options: &Options) -> Result<Study, LoadError> 
     }
     study.validate()?;
     Ok(study)
+}
+
+fn read(path: &Path) -> Result<Study, LoadError> {
+    let text = std::fs::read_to_string(path).map_err(|cause| LoadError::Read {
+        path: path.to_owned(),
+        cause,
+    })?;
+    Ok(Study::from_toml(&text, &path.display().to_string())?)
+}
+
+/// The plan of a study. A sample or draft of another kind is told by what it is.
+pub fn plan(study: Study) -> Result<Plan, Failure> {
+    let (sample, draft) = (study.measured.sample.clone(), study.weave.draft.clone());
+    Plan::new(study).map_err(|error| match (&error, draft) {
+        (RunError::Sample(_), _) => expect_sample(&sample).map_or_else(Failure::from, |()| error.into()),
+        (RunError::Draft(_), Some(draft)) => no_draft(error, Path::new(&draft)),
+        _ => error.into(),
+    })
+}
+
+/// Refuses a file that is of another kind than a sample; one that is not known, or not there, is left to the reader.
+pub fn expect_sample(name_or_path: &str) -> Result<(), OtherKind> {
+    let due = |kind| matches!(kind, FileKind::Sample | FileKind::Goniometric(_) | FileKind::Folder);
+    match OtherKind::find(Path::new(name_or_path), "a measured sample", due) {
+        Some(other) => Err(other),
+        None => Ok(()),
+    }
+}
+
+/// Why this is no draft.
+pub fn no_draft(error: impl Into<Failure>, path: &Path) -> Failure {
+    or_other_kind(error, path, "a weave draft (WIF)", |kind| kind == FileKind::Draft)
+}
+
+/// Why a file could not be read: it is of none of the kinds that are due, or the error itself.
+pub fn or_other_kind(
+    error: impl Into<Failure>,
+    path: &Path,
+    expected: &'static str,
+    due: impl Fn(FileKind) -> bool,
+) -> Failure {
+    match OtherKind::find(path, expected, due) {
+        Some(other) => other.into(),
+        None => error.into(),
+    }
 }

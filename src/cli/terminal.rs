@@ -3,10 +3,19 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::error::Error;
 use std::io::{self, IsTerminal, Write};
+use std::num::NonZeroUsize;
 use std::process::ExitCode;
 
 /// Any error of any room: what went wrong, where, what was expected, and the remedy are in its words.
 pub type Failure = Box<dyn Error>;
+
+#[derive(Debug, thiserror::Error)]
+#[error("--threads {threads}: the system cannot start so many; take fewer, or leave it out for one a core")]
+struct NoThreads {
+    threads: NonZeroUsize,
+    #[source]
+    cause: rayon::ThreadPoolBuildError,
+}
 
 /// Exit code of bad input, the same as for a mistyped flag.
 const BAD_INPUT: u8 = 2;
@@ -16,6 +25,8 @@ const BAD_INPUT: u8 = 2;
 pub struct Terminal {
     json: bool,
     quiet: bool,
+    /// An output of the run goes to stdout, so its summary goes to stderr.
+    stdout_is_output: bool,
 }
 
 impl Terminal {
@@ -23,6 +34,15 @@ impl Terminal {
         Self {
             json: options.json,
             quiet: options.quiet,
+            stdout_is_output: false,
+        }
+    }
+
+    /// The same, with stdout left to an output or not.
+    pub fn beside_output(self, on_stdout: bool) -> Self {
+        Self {
+            stdout_is_output: on_stdout,
+            ..self
         }
     }
 
@@ -31,7 +51,8 @@ impl Terminal {
         if let Some(threads) = options.threads {
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads.get())
-                .build_global()?;
+                .build_global()
+                .map_err(|cause| NoThreads { threads, cause })?;
         }
         Ok(())
     }
@@ -46,8 +67,15 @@ impl Terminal {
         self.print(&out)
     }
 
-    /// Prints a text to stdout.
+    /// Prints a text to stdout, or to stderr where stdout is an output's.
     pub fn print(&self, text: &str) -> Result<(), Failure> {
+        if self.stdout_is_output {
+            if !self.quiet {
+                // With stderr closed there is no one left to tell.
+                let _ = io::stderr().write_all(text.as_bytes());
+            }
+            return Ok(());
+        }
         let mut stdout = io::stdout().lock();
         stdout.write_all(text.as_bytes())?;
         stdout.flush()?;
@@ -115,7 +143,15 @@ pub fn exit(result: Result<ExitCode, Failure>) -> ExitCode {
 }
 
 fn is_broken_pipe(failure: &(dyn Error + 'static)) -> bool {
-    failure
-        .downcast_ref::<io::Error>()
-        .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+    let mut error = Some(failure);
+    while let Some(here) = error {
+        if here
+            .downcast_ref::<io::Error>()
+            .is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
+        {
+            return true;
+        }
+        error = here.source();
+    }
+    false
 }

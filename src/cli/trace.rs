@@ -1,6 +1,7 @@
-use super::{Failure, Limits, Options, Terminal, state_beside, study};
-use specval::report::{EnergyRow, check_writable, effort_line, ledger_ranges, ledger_table};
-use specval::run::{self, Plan, Precision, PrecisionError, Schedule, Shard, Watched, YarnSums, YarnTracer};
+use super::{Failure, Limits, Options, Replace, Scratch, Terminal, claim, inputs_of, study};
+use specval::output;
+use specval::report::{EnergyRow, effort_line, ledger_ranges, ledger_table};
+use specval::run::{self, Precision, PrecisionError, Schedule, Shard, Watched, YarnSums, YarnTracer};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -14,12 +15,14 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Trace only the batches of shard K of N, for `specval merge`.
-    #[arg(long, value_name = "K/N")]
+    #[arg(long, value_name = "K/N", allow_hyphen_values = true)]
     shard: Option<Shard>,
     /// Go on until the standard error of the ledger's scattered fraction, at every wavelength and incident direction, is
     /// below this: "rel 5%" or "abs 0.001". Makes more batches than the study if need be, or with --paths no more than those.
-    #[arg(long, value_name = "PRECISION", value_parser = scattered, help_heading = "How long")]
+    #[arg(long, value_name = "PRECISION", value_parser = scattered, allow_hyphen_values = true, help_heading = "How long")]
     until: Option<Precision>,
+    #[command(flatten)]
+    replace: Replace,
     #[command(flatten)]
     limits: Limits,
 }
@@ -34,9 +37,11 @@ struct ShardWith {
     option: &'static str,
 }
 
-pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
-    let plan = Plan::new(study::load(arguments.study.as_deref(), options)?)?;
-    check_writable(&arguments.out)?;
+pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
+    let study = study::load(arguments.study.as_deref(), options)?;
+    let inputs = inputs_of(arguments.study.as_deref(), &study);
+    let (_, terminal) = &claim(&[&arguments.out], &inputs, &arguments.replace, options)?;
+    let plan = study::plan(study)?;
     let tracer = YarnTracer::new(&plan)?;
     match arguments.shard {
         Some(shard) => {
@@ -46,34 +51,45 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
             tracing.finish();
             print_ledger(&energy?, None, terminal)
         }
-        None => arguments.trace(&tracer, options, terminal),
+        None => {
+            let scratch = Scratch::take(&arguments.out, &inputs, arguments.limits.resume)?;
+            arguments.trace(&tracer, scratch, options, terminal)
+        }
     }
 }
 
 impl Arguments {
-    fn trace(&self, tracer: &YarnTracer, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
+    fn trace(
+        &self,
+        tracer: &YarnTracer,
+        scratch: Scratch,
+        options: &Options,
+        terminal: &Terminal,
+    ) -> Result<(), Failure> {
         let start = Instant::now();
         let layout = tracer.layout();
         let limits = &self.limits;
-        let state = state_beside(&self.out);
         let mut resumed = None;
-        if limits.resume {
-            resumed = YarnSums::load(&layout, &state)?;
-            limits.notice_resumed(&state, resumed.as_ref().map(|sums| sums.ledgers.len()), terminal);
+        if let Some(state) = scratch.state.as_ref().filter(|_| limits.resume) {
+            resumed = YarnSums::load(&layout, state)?;
+            limits.notice_resumed(state, resumed.as_ref().map(|sums| sums.ledgers.len()), terminal);
         }
         let tracing = terminal.progress("tracing the yarn");
         let schedule = Schedule {
             rule: &limits.rule(self.until, layout.batches(), options),
             round: YarnTracer::ROUND,
-            checkpoint: Some(limits.checkpoint),
+            checkpoint: scratch.state.as_ref().map(|_| limits.checkpoint),
             clock: &|| start.elapsed(),
             progress: &|share| tracing.advance(share),
         };
-        let traced = run::trace_yarn(tracer, resumed, &state, &schedule);
+        let state = scratch.state.as_deref().unwrap_or(&self.out);
+        let traced = run::trace_yarn(tracer, resumed, state, &schedule);
         tracing.finish();
         let (artefact, effort) = traced?;
         artefact.write(&self.out)?;
-        run::remove_state(&state)?;
+        if let Some(state) = &scratch.state {
+            output::remove(state)?;
+        }
         let asked = self.until.is_some() || limits.max_time.is_some();
         print_ledger(&artefact.energy, asked.then(|| effort_line(&effort)), terminal)
     }

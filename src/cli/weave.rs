@@ -1,4 +1,4 @@
-use super::{Failure, Terminal};
+use super::{Failure, Terminal, study};
 use serde::Serialize;
 use specval::weave::{Thread, WeaveDraft};
 use std::fmt::Write;
@@ -27,7 +27,7 @@ struct Drawdown {
 }
 
 pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
-    let draft = WeaveDraft::read(&arguments.file)?;
+    let draft = WeaveDraft::read(&arguments.file).map_err(|error| study::no_draft(error, &arguments.file))?;
     let (warps, wefts) = (draft.warps.len(), draft.wefts.len());
     let row = |i: usize| {
         (0..warps)

@@ -30,6 +30,9 @@ pub(super) struct Between {
     pub(super) on_node: bool,
 }
 
+/// Two nodes and their shares in a value.
+pub(super) type Shares = [(usize, f64); 2];
+
 impl Axis {
     /// Nodes ascend strictly and are not empty.
     pub(crate) fn bounded(nodes_rad: Vec<f64>) -> Self {
@@ -68,6 +71,56 @@ impl Axis {
     /// Whether it stands for every angle.
     pub(super) fn is_single(&self) -> bool {
         self.beyond == Beyond::Everything
+    }
+
+    /// The axis with nodes at 0 and at the whole turn, for readers that do not close the circle themselves, and of each node
+    /// the own nodes that its values are a mean of, with their shares. `None` where nothing is to be added: axes that are no
+    /// whole circle, single azimuths, and circles that are closed.
+    pub(super) fn closed(&self) -> Option<(Self, Vec<Shares>)> {
+        if self.beyond != Beyond::First(TAU) {
+            return None;
+        }
+        let [first, last] = [self.nodes_rad[0], self.nodes_rad[self.nodes_rad.len() - 1]];
+        if first < 0.0 || (first == 0.0 && last >= TAU - SAME_RAD) {
+            return None;
+        }
+        let seam = self.locate(0.0)?;
+        let seam = [(seam.below, 1.0 - seam.t), (seam.above, seam.t)];
+        let own = |node: usize| [(node, 1.0), (node, 0.0)];
+        let mut nodes_rad = self.nodes_rad.clone();
+        let mut shares: Vec<Shares> = (0..nodes_rad.len()).map(own).collect();
+        if first > 0.0 {
+            nodes_rad.insert(0, 0.0);
+            shares.insert(0, seam);
+        }
+        if last < TAU - SAME_RAD {
+            nodes_rad.push(TAU);
+            shares.push(seam);
+        }
+        let beyond = self.beyond;
+        Some((Self { nodes_rad, beyond }, shares))
+    }
+
+    /// Share of the axis that each node stands for: half the gaps to its neighbours. They add up to 1.
+    pub(super) fn shares(&self) -> Vec<f64> {
+        let nodes = &self.nodes_rad;
+        let last = nodes.len() - 1;
+        if last == 0 {
+            return vec![1.0];
+        }
+        let mut shares = vec![0.0; nodes.len()];
+        for (below, pair) in nodes.windows(2).enumerate() {
+            shares[below] += pair[1] - pair[0];
+            shares[below + 1] += pair[1] - pair[0];
+        }
+        if let Beyond::First(period) = self.beyond {
+            let gap = (nodes[0] + period - nodes[last]).max(0.0);
+            shares[0] += gap;
+            shares[last] += gap;
+        }
+        let total: f64 = shares.iter().sum();
+        shares.iter_mut().for_each(|share| *share /= total);
+        shares
     }
 
     /// `None` outside what was measured.

@@ -4,6 +4,8 @@ use std::ops::RangeInclusive;
 use super::FormatError;
 use super::text::quoted;
 use super::{merl, utia};
+use crate::text::encoding::beginning;
+use crate::text::is_titled;
 
 /// A file format. It is told by what a file holds, never by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -98,7 +100,8 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<Format, Forma
     let expected = "a goniometric file: csv, ddr, ddt, sdr, sdt, ssdd, astm, merl, rgl, zemax, lighttools, radiance xml \
                     or utia";
     if head.is_empty() {
-        return Err(FormatError::file(path, expected, "an empty file"));
+        let remedy = "copy or export it again";
+        return Err(FormatError::file(path, expected, "an empty file", remedy));
     }
     if head.starts_with(b"tensor_file\0") {
         return Ok(Format::Rgl);
@@ -106,8 +109,17 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<Format, Forma
     if merl::begins(head) {
         return Ok(Format::Merl);
     }
-    let text = String::from_utf8_lossy(head);
-    let of_text = of_text(text.trim_start_matches('\u{feff}'));
+    if merl::begins_swapped(head) {
+        let found = "the header of a MERL file with its bytes in big-endian order";
+        let remedy = "reverse the bytes of each count (4 bytes) and of each value (8 bytes), or copy the original file";
+        return Err(FormatError::file(path, "little-endian numbers", found, remedy));
+    }
+    let text = beginning(head);
+    if is_web_page(&text) {
+        let remedy = "download the file itself: the page usually has a link named Raw or Download";
+        return Err(FormatError::file(path, expected, "a web page (HTML)", remedy));
+    }
+    let of_text = of_text(&text);
     // Numbers without a header may begin with any byte.
     if size == utia::SIZE && head.contains(&0) && of_text != Some(Format::Ssdd) {
         return Ok(Format::Utia);
@@ -116,23 +128,68 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<Format, Forma
         return Ok(format);
     }
     let found = format!("a file that begins with {}", quoted(&text));
-    Err(FormatError::file(path, expected, found))
+    let remedy = match other_kind(head) {
+        Some(kind) => format!("this is {kind}"),
+        None => "give the data file of the instrument, archive or renderer; `specval convert --help` lists the formats, and \
+                 spectra are read by `specval colour`"
+            .into(),
+    };
+    Err(FormatError::file(path, expected, found, remedy))
+}
+
+/// Whether a page of HTML begins, be it a reader's error page or the view of a file.
+fn is_web_page(text: &str) -> bool {
+    let lower = text.to_ascii_lowercase();
+    let page = ["<!doctype html", "<html", "<head>"]
+        .iter()
+        .filter_map(|tag| lower.find(tag))
+        .min();
+    page.is_some_and(|at| {
+        lower.trim_start().starts_with('<') && lower.find("<windowelement").is_none_or(|bsdf| at < bsdf)
+    })
+}
+
+/// Kinds of files that are often taken for others, by their first bytes, with what to do.
+fn other_kind(head: &[u8]) -> Option<&'static str> {
+    let kinds: [(&[u8], &str); 8] = [
+        (
+            b"PK\x03\x04",
+            "a ZIP archive or a spreadsheet: unpack it, or save the sheet as CSV",
+        ),
+        (b"\x1f\x8b", "a gzip archive: unpack it"),
+        (b"\xfd7zXZ", "an xz archive: unpack it"),
+        (b"BZh", "a bzip2 archive: unpack it"),
+        (b"\xff\xd8\xff", "an image: give the table of values behind it"),
+        (b"\x89PNG", "an image: give the table of values behind it"),
+        (b"%PDF", "a PDF document: give the table of values behind it"),
+        (
+            b"version https://git-lfs",
+            "a pointer of Git LFS: fetch the file itself with `git lfs pull`",
+        ),
+    ];
+    kinds
+        .into_iter()
+        .find(|(begins, _)| head.starts_with(begins))
+        .map(|(_, kind)| kind)
 }
 
 fn of_text(text: &str) -> Option<Format> {
-    if text.trim_start().starts_with('<') {
+    // Programs may print a line or two before the XML.
+    if text.trim_start().starts_with('<') || text.contains("<?xml") || text.contains("<WindowElement") {
         return Some(Format::RadianceXml);
     }
     let (mut integra, mut ssdd) = (None, None);
     let lines = text.split(['\n', '\r']).map(str::trim_start);
-    for line in lines.filter(|l| !l.is_empty() && !l.starts_with(['#', ';'])) {
+    // Spreadsheets put comments in quotes.
+    let is_comment = |line: &str| line.trim_start_matches('"').starts_with(['#', ';']);
+    for line in lines.filter(|l| !l.is_empty() && !is_comment(l)) {
         let first = line.split_whitespace().next().unwrap_or_default();
         match first {
             "DATA_TYPE" => return Some(Format::Ssdd),
             "VERSION" => ssdd = Some(Format::Ssdd),
             "VARS" => return Some(Format::Astm),
             _ if line.starts_with('[') => return Some(Format::Wif),
-            _ if line.contains("theta_i_deg") => return Some(Format::Csv),
+            _ if is_titled(line, "theta_i_deg") => return Some(Format::Csv),
             _ => {}
         }
         for word in line.split_whitespace() {

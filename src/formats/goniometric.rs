@@ -151,7 +151,7 @@ pub enum Table {
 
 impl Table {
     /// Of light from above that is seen from above; `None` outside what was measured.
-    fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+    pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
         match self {
             Self::Grid(grid) => grid.eval(omega_in, omega_out),
             Self::Scattered(scattered) => scattered.eval(omega_in, omega_out),
@@ -324,43 +324,6 @@ impl Component {
             Table::Tree(tree) => tree.is_isotropic(),
             Table::Specular(_) => true,
         }
-    }
-
-    /// ∫ f cos θ_out dω_out per channel for light from a polar angle and azimuth 0 (180° in tables over the sphere that
-    /// have no 0), and the share of the projected hemisphere that was measured. `None` where nothing was, or where the
-    /// quantity has no f. Midpoint rule, even in sin² θ and azimuth; of Klems patches the sum.
-    pub fn directional_hemispherical(&self, theta_i_rad: f64, phi_i_rad: f64) -> Option<(Vec<f64>, f64)> {
-        const RINGS: usize = 90;
-        const SECTORS: usize = 180;
-        if let Table::Klems(matrix) = &self.table {
-            return Some((matrix.hemispherical(&direction(theta_i_rad, phi_i_rad)), 1.0));
-        }
-        let front = if self.side == Side::Front { 1.0 } else { -1.0 };
-        let beyond = if self.scatter == Scatter::Reflection {
-            front
-        } else {
-            -front
-        };
-        let omega_in = direction(theta_i_rad, phi_i_rad);
-        let omega_in = Vec3::new(omega_in.x, omega_in.y, front * omega_in.z);
-        let mut sums = vec![0.0; self.channels.count()];
-        let mut measured = 0usize;
-        for ring in 0..RINGS {
-            let sin2 = (ring as f64 + 0.5) / RINGS as f64;
-            for sector in 0..SECTORS {
-                let phi = (sector as f64 + 0.5) / SECTORS as f64 * std::f64::consts::TAU;
-                let (sin, cos) = (sin2.sqrt(), (1.0 - sin2).sqrt());
-                let omega_out = Vec3::new(sin * phi.cos(), sin * phi.sin(), beyond * cos);
-                let Some(bsdf) = self.eval(&omega_in, &omega_out).and_then(|e| e.bsdf()) else {
-                    continue;
-                };
-                measured += 1;
-                sums.iter_mut().zip(bsdf).for_each(|(sum, f)| *sum += f);
-            }
-        }
-        let cells = (RINGS * SECTORS) as f64;
-        sums.iter_mut().for_each(|sum| *sum *= std::f64::consts::PI / cells);
-        (measured > 0).then_some((sums, measured as f64 / cells))
     }
 }
 

@@ -136,15 +136,68 @@ impl Grid {
         self.values[axes + channel * self.strides[4]]
     }
 
+    pub(super) fn channels(&self) -> usize {
+        self.channels
+    }
+
+    pub(super) fn set(&mut self, node: [usize; 4], channel: usize, value: f64) {
+        let axes: usize = node.iter().zip(&self.strides).map(|(i, stride)| i * stride).sum();
+        self.values[axes + channel * self.strides[4]] = value;
+    }
+
+    /// Value at nodes of the first three axes and an angle of the last, linear between its nodes; NaN outside them.
+    pub(super) fn along_last(&self, node: [usize; 3], angle_rad: f64, channel: usize) -> f64 {
+        let angle = self.fold.apply(angle_rad.rem_euclid(TAU));
+        let at = |last: usize| self.at([node[0], node[1], node[2], last], channel);
+        self.axes[3].locate(angle).map_or(f64::NAN, |b| match b.t {
+            0.0 => at(b.below),
+            t => (1.0 - t) * at(b.below) + t * at(b.above),
+        })
+    }
+
     pub(super) fn scale(&mut self, node: [usize; 2], channel: usize, by: f64) {
         let [_, _, n2, n3] = self.shape();
-        for i2 in 0..n2 {
-            for i3 in 0..n3 {
-                let indices = [node[0], node[1], i2, i3, channel];
-                let at: usize = indices.iter().zip(&self.strides).map(|(i, stride)| i * stride).sum();
-                self.values[at] *= by;
+        for (i2, i3) in (0..n2).flat_map(|i2| (0..n3).map(move |i3| (i2, i3))) {
+            let node = [node[0], node[1], i2, i3];
+            self.set(node, channel, by * self.at(node, channel));
+        }
+    }
+
+    /// Divides values f cos θ_out by the cosine at their nodes, so that f is what is interpolated: a cosine has no straight course
+    /// between nodes, and none to divide by at the horizon. Nodes there and below hold f of the next one above the horizon on
+    /// their arc of the third angle, or else on the arc before or behind. Their number is returned.
+    pub(super) fn divide_by_cosine(&mut self) -> usize {
+        /// Below this a value with few digits has no f.
+        const HORIZON: f64 = 1e-4;
+        let [n0, n1, n2, n3] = self.shape();
+        let mut held = 0;
+        for (i0, i1) in (0..n0).flat_map(|i0| (0..n1).map(move |i1| (i0, i1))) {
+            let cosines: Vec<Vec<Option<f64>>> = (0..n3)
+                .map(|i3| {
+                    let cosine = |i2| self.directions([i0, i1, i2, i3]).map(|(_, out)| out.z);
+                    (0..n2).map(|i2| cosine(i2).filter(|z| *z > HORIZON)).collect()
+                })
+                .collect();
+            held += cosines.iter().flatten().filter(|z| z.is_none()).count();
+            for channel in 0..self.channels {
+                let mut arcs: Vec<Vec<f64>> = Vec::with_capacity(n3);
+                for (i3, cosines) in cosines.iter().enumerate() {
+                    let f =
+                        |(i2, z): (usize, &Option<f64>)| z.map_or(f64::NAN, |z| self.at([i0, i1, i2, i3], channel) / z);
+                    let mut arc: Vec<f64> = cosines.iter().enumerate().map(f).collect();
+                    hold(&mut arc);
+                    arcs.push(arc);
+                }
+                for i2 in 0..n2 {
+                    let mut around: Vec<f64> = arcs.iter().map(|arc| arc[i2]).collect();
+                    hold(&mut around);
+                    for (i3, value) in around.into_iter().enumerate() {
+                        self.set([i0, i1, i2, i3], channel, if value.is_nan() { 0.0 } else { value });
+                    }
+                }
             }
         }
+        held
     }
 
     /// The same nodes with other channels, as many as the map gives; `None` where some nodes have no data.
@@ -168,6 +221,77 @@ impl Grid {
             [0, 1, 2, 3, 4],
             values,
         ))
+    }
+
+    /// The same table with azimuths that close the circle ([`Axis::closed`]); nothing else changes.
+    pub(super) fn closed(&self) -> Self {
+        let mut grid = self.clone();
+        for axis in [1, 3] {
+            grid = grid.closed_along(axis).unwrap_or(grid);
+        }
+        grid
+    }
+
+    fn closed_along(&self, axis: usize) -> Option<Self> {
+        let (closed, shares) = self.axes[axis].closed()?;
+        let mut axes = self.axes.clone();
+        axes[axis] = closed;
+        let [n0, n1, n2, n3] = std::array::from_fn(|axis| axes[axis].nodes_rad().len());
+        let mut values = Vec::with_capacity(n0 * n1 * n2 * n3 * self.channels);
+        for i in 0..n0 * n1 * n2 * n3 {
+            let node = [i / (n3 * n2 * n1), i / (n3 * n2) % n1, i / n3 % n2, i % n3];
+            for channel in 0..self.channels {
+                let part = |(own, share): (usize, f64)| {
+                    let mut at = node;
+                    at[axis] = own;
+                    if share > 0.0 { share * self.at(at, channel) } else { 0.0 }
+                };
+                values.push(shares[node[axis]].into_iter().map(part).sum());
+            }
+        }
+        let order = [0, 1, 2, 3, 4];
+        Some(Self::new(
+            self.parameters.clone(),
+            axes,
+            self.fold,
+            self.channels,
+            order,
+            values,
+        ))
+    }
+
+    /// The largest difference, relative to the larger, between values at azimuths a whole turn apart, which are of one
+    /// direction; 0 where the table has no two such azimuths.
+    pub(super) fn seam(&self) -> f64 {
+        let shape = self.shape();
+        let mut largest = 0.0f64;
+        for axis in [1, 3] {
+            let nodes = self.axes[axis].nodes_rad();
+            let last = nodes.len() - 1;
+            if last == 0 || (nodes[last] - nodes[0] - TAU).abs() > 1e-6 {
+                continue;
+            }
+            let [a, b, c] = match axis {
+                1 => [0, 2, 3],
+                _ => [0, 1, 2],
+            };
+            for place in 0..shape[a] * shape[b] * shape[c] {
+                let mut node = [0; 4];
+                node[a] = place / (shape[b] * shape[c]);
+                node[b] = place / shape[c] % shape[b];
+                node[c] = place % shape[c];
+                let mut end = node;
+                end[axis] = last;
+                for channel in 0..self.channels {
+                    let (first, end) = (self.at(node, channel), self.at(end, channel));
+                    let most = first.abs().max(end.abs());
+                    if most > 0.0 {
+                        largest = largest.max((first - end).abs() / most);
+                    }
+                }
+            }
+        }
+        largest
     }
 
     /// Some nodes have no data.
@@ -307,7 +431,7 @@ impl Grid {
         Some(angles)
     }
 
-    fn offset(&self, offsets_rad: &[f64], theta_i: f64) -> Option<f64> {
+    pub(super) fn offset(&self, offsets_rad: &[f64], theta_i: f64) -> Option<f64> {
         let b = self.axes[0].locate(theta_i)?;
         Some(offsets_rad[b.below] + b.t * (offsets_rad[b.above] - offsets_rad[b.below]))
     }
@@ -343,6 +467,16 @@ impl Grid {
 }
 
 impl Fold {
+    /// The azimuths in radians that the value at a stored one stands for.
+    pub(super) fn images(self, phi_rad: f64) -> Vec<f64> {
+        match self {
+            Self::None => vec![phi_rad],
+            Self::Mirror => vec![phi_rad, -phi_rad],
+            Self::HalfTurn => vec![phi_rad, phi_rad + PI],
+            Self::MirrorAndHalfTurn => vec![phi_rad, -phi_rad, phi_rad + PI, PI - phi_rad],
+        }
+    }
+
     /// An azimuth in radians brought into the stored range.
     fn apply(self, phi_rad: f64) -> f64 {
         match self {
@@ -358,7 +492,18 @@ impl Fold {
     }
 }
 
-fn about_z(d: &Vec3, angle_rad: f64) -> Vec3 {
+/// Puts the last value before them, or else the first behind them, where there are none.
+fn hold(values: &mut [f64]) {
+    let first = values.iter().copied().find(|v| !v.is_nan()).unwrap_or(f64::NAN);
+    values.iter_mut().fold(first, |last, value| {
+        if value.is_nan() {
+            *value = last;
+        }
+        *value
+    });
+}
+
+pub(super) fn about_z(d: &Vec3, angle_rad: f64) -> Vec3 {
     let (sin, cos) = angle_rad.sin_cos();
     Vec3::new(cos * d.x - sin * d.y, sin * d.x + cos * d.y, d.z)
 }
@@ -373,7 +518,7 @@ fn specular_angles(omega_out: &Vec3, tilt_rad: f64) -> (f64, f64) {
     angles_of(&about_y(omega_out, tilt_rad))
 }
 
-fn from_specular(theta_rad: f64, phi_rad: f64, tilt_rad: f64) -> Vec3 {
+pub(super) fn from_specular(theta_rad: f64, phi_rad: f64, tilt_rad: f64) -> Vec3 {
     about_y(&direction(theta_rad, phi_rad), -tilt_rad)
 }
 
@@ -397,7 +542,7 @@ fn distorted_angles(omega_out: &Vec3, tilt_rad: f64) -> (f64, f64) {
     (r * FRAC_PI_2, azimuth)
 }
 
-fn from_distorted(theta_rad: f64, phi_rad: f64, tilt_rad: f64) -> Vec3 {
+pub(super) fn from_distorted(theta_rad: f64, phi_rad: f64, tilt_rad: f64) -> Vec3 {
     let r = theta_rad / FRAC_PI_2;
     let mirror = -tilt_rad / FRAC_PI_2;
     let (x, y) = (r * phi_rad.cos() + (1.0 - r) * mirror, r * phi_rad.sin());

@@ -1,17 +1,18 @@
 //! Integra's `.ddr`, `.ddt` (diffuse) and `.sdr`, `.sdt` (specular): words separated by white space, `;;` begins a
 //! comment. Reflection and transmission differ by the file's name alone.
 //!
-//! Diffuse values are k v with k of the `kbdf` list: π f (`Luminance`) or f cos θ_out (`Intensity`). `Relative` tables
+//! Diffuse values are k v with k of the `kbdf` list: π f (`Luminance`) or f cos θ_out (`Intensity`, kept as f). `Relative` tables
 //! are scaled so that the directional-hemispherical reflectance of each incidence and channel is k.
 
 use std::f64::consts::TAU;
 
 use super::axis::Axis;
 use super::detect::Format;
+use super::error::remedy;
 use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table, rounded_deg};
 use super::grid::{Fold, Grid, Parameters};
 use super::specular::SpecularTable;
-use super::text::{NOT_NEGATIVE, Text, Token, Tokens, finite, quoted};
+use super::text::{NOT_NEGATIVE, Readings, Text, Token, Tokens, finite, quoted};
 use super::{FormatError, ReadOptions};
 use crate::spectrum::WavelengthGrid;
 
@@ -68,14 +69,18 @@ pub(super) fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniomet
     let tables = psi_deg.len() * header.sigma_deg.len();
     let table = phi_deg.len() * header.theta_deg.len();
     let count = tables.checked_mul(table).and_then(|n| n.checked_mul(colour.blocks()));
-    let count = count.ok_or_else(|| text.error(header.data.at, "a number of values that can be counted", "more"))?;
+    let count = count.ok_or_else(|| {
+        let expected = "a number of values that can be counted";
+        text.error(header.data.at, expected, "more", remedy::LISTS)
+    })?;
     tokens.room_for(count, "values", header.data.at)?;
     let mut values = Vec::with_capacity(count);
     let mut factors = Vec::new();
+    let mut readings = Readings::default();
     let channels = blocks(&mut tokens, header.data, colour, |tokens, channel| {
         let k = factors_of(tokens, tables)?;
         let expected = format!("{} values, finite, 0 or more, in this block", tables * table);
-        tokens.numbers(tables * table, &expected, &NOT_NEGATIVE, &mut values)?;
+        tokens.readings(tables * table, &expected, &mut readings, &mut values)?;
         let block = channel * tables * table;
         if let (Some(k), false) = (&k, header.relative) {
             for (rows, k) in values[block..].chunks_mut(table).zip(k) {
@@ -85,6 +90,7 @@ pub(super) fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniomet
         factors.push(k);
         Ok(())
     })?;
+    text.judge(&readings, &mut header.warnings)?;
     let theta = Axis::bounded(radians(&header.theta_deg));
     let sigma = Axis::bounded(radians(&header.sigma_deg));
     let psi = Axis::azimuth(radians(&psi_deg), TAU);
@@ -98,6 +104,7 @@ pub(super) fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniomet
             header.data.at,
             "one phi in an AxiSymmetrical file",
             format!("{}", phi_deg.len()),
+            "state another TypeSym, such as ASymmetrical, or one phi",
         ));
     }
     let offsets_rad = match &header.sigmat_deg {
@@ -110,7 +117,7 @@ pub(super) fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniomet
     };
     let order = [4, 1, 0, 3, 2];
     let parameters = Parameters::Specular { offsets_rad };
-    let grid = Grid::new(
+    let mut grid = Grid::new(
         parameters,
         [sigma, psi, theta, phi],
         header.fold,
@@ -118,6 +125,16 @@ pub(super) fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniomet
         order,
         values,
     );
+    if header.quantity == Quantity::BsdfCosine {
+        let held = grid.divide_by_cosine();
+        header.quantity = Quantity::Bsdf;
+        if held > 0 {
+            header.warnings.push(format!(
+                "{held} of {} nodes are at the horizon or below, where f cos theta_o is 0: f there is that of the nearest node above",
+                tables * table
+            ));
+        }
+    }
     let mut component = Component {
         scatter,
         side: Side::Front,
@@ -153,17 +170,18 @@ fn make_absolute(
     let sigma_count = header.sigma_deg.len();
     for (p, psi) in psi_deg.iter().enumerate() {
         for (s, sigma) in header.sigma_deg.iter().enumerate() {
-            let found = component.directional_hemispherical(sigma.to_radians(), psi.to_radians());
+            let found = component.integrated(sigma.to_radians(), psi.to_radians());
             for (channel, wanted) in wanted.iter().enumerate() {
                 let Some(k) = wanted.map(|k| k[p * sigma_count + s]) else {
                     continue;
                 };
-                let reflectance = found.as_ref().map_or(0.0, |(values, _)| values[channel]);
+                let reflectance = found.as_ref().map_or(0.0, |found| found.values[channel]);
                 let by = if k == 0.0 { 0.0 } else { k / reflectance };
                 if !by.is_finite() {
                     let expected = format!("a table that can be scaled to the reflectance {k}");
                     let found = format!("one of reflectance {reflectance} at psi {psi}, sigma {sigma}");
-                    return Err(text.error(header.data.at, expected, found));
+                    let remedy = "give values above 0 at this incidence, or take the table as Absolute";
+                    return Err(text.error(header.data.at, expected, found, remedy));
                 }
                 if let Table::Grid(grid) = &mut component.table {
                     grid.scale([s, p], channel, by);
@@ -221,7 +239,7 @@ fn header<'a>(tokens: &mut Tokens<'a>, diffuse: bool) -> Result<Header<'a>, Form
             break token;
         }
         let once = |there: bool| match there {
-            true => Err(tokens.unexpected(&token, "each key word once")),
+            true => Err(tokens.unexpected(&token, "each key word once", remedy::ONE_OF_TWO)),
             false => Ok(()),
         };
         match token.word.to_ascii_lowercase().as_str() {
@@ -245,7 +263,9 @@ fn header<'a>(tokens: &mut Tokens<'a>, diffuse: bool) -> Result<Header<'a>, Form
                     tokens.next();
                 }
                 if symmetry == Some("DirSymmetrical") {
-                    return Err(tokens.unexpected(&token, "a symmetry of known meaning; that of DirSymmetrical is not"));
+                    let expected = "AxiSymmetrical, PlaneSymmetrical or ASymmetrical";
+                    let remedy = "export the file with one of these: what DirSymmetrical leaves out is not documented";
+                    return Err(tokens.unexpected(&token, expected, remedy));
                 }
             }
             "typedata" if diffuse => {
@@ -268,7 +288,9 @@ fn header<'a>(tokens: &mut Tokens<'a>, diffuse: bool) -> Result<Header<'a>, Form
             "sigmat" if diffuse => {
                 once(sigmat.is_some())?;
                 let count = sigma.as_ref().map(Vec::len);
-                let count = count.ok_or_else(|| tokens.unexpected(&token, "'sigma' before 'sigmat'"))?;
+                let count = count.ok_or_else(|| {
+                    tokens.unexpected(&token, "'sigma' before 'sigmat'", "move the list sigma before it")
+                })?;
                 let mut angles = Vec::new();
                 tokens.numbers(
                     count,
@@ -288,13 +310,18 @@ fn header<'a>(tokens: &mut Tokens<'a>, diffuse: bool) -> Result<Header<'a>, Form
                 let count = tokens.count("angles theta")?;
                 theta = Some(tokens.angles_deg(count, "angles theta", 0.0..=180.0)?);
             }
-            _ => return Err(tokens.unexpected(&token, "a key word of the header, or the first block of data")),
+            _ => {
+                let expected = "a key word of the header, or the first block of data";
+                return Err(tokens.unexpected(&token, expected, remedy::SPELLING_OR_COUNT));
+            }
         }
     };
     let missing = |word: &str| {
+        let remedy = format!("write the list of angles {word}, with its count, before the data");
+        let expected = format!("'{word}' in the header");
         tokens
             .source
-            .error(data.at, format!("'{word}' in the header"), "the first block of data")
+            .error(data.at, expected, "the first block of data", remedy)
     };
     if diffuse && symmetry.is_none() {
         warnings.push("no TypeSym: taken as PlaneSymmetrical, as other readers do".into());
@@ -334,7 +361,9 @@ fn one_of<'w>(tokens: &mut Tokens, words: &[&'w str]) -> Result<&'w str, FormatE
     let expected = words.join(" or ");
     let token = tokens.expect(&expected)?;
     let known = words.iter().find(|word| token.is(word));
-    known.copied().ok_or_else(|| tokens.unexpected(&token, expected))
+    known
+        .copied()
+        .ok_or_else(|| tokens.unexpected(&token, expected, remedy::SPELLING))
 }
 
 fn check_phi(text: Text, header: &Header, phi_deg: &[f64]) -> Result<(), FormatError> {
@@ -348,7 +377,8 @@ fn check_phi(text: Text, header: &Header, phi_deg: &[f64]) -> Result<(), FormatE
         return Ok(());
     }
     let words = format!("angles phi from {} to {} with this TypeSym", expected[0], expected[1]);
-    Err(text.error(header.data.at, words, format!("{} to {}", ends[0], ends[1])))
+    let remedy = "repeat the values of the first azimuth at the last one, or state the TypeSym that these angles have";
+    Err(text.error(header.data.at, words, format!("{} to {}", ends[0], ends[1]), remedy))
 }
 
 fn colour(tokens: &mut Tokens, header: &Header) -> Result<Colour, FormatError> {
@@ -356,7 +386,10 @@ fn colour(tokens: &mut Tokens, header: &Header) -> Result<Colour, FormatError> {
         Some(colour) => Ok(colour),
         None if header.data.is("bw") => Ok(Colour::Bw),
         None if header.data.is("red") => Ok(Colour::Rgb),
-        None => Err(tokens.unexpected(&header.data, "TypeColorModel in the header")),
+        None => {
+            let remedy = "write 'TypeColorModel spectral N' with the number N of wavelengths into the header";
+            Err(tokens.unexpected(&header.data, "TypeColorModel in the header", remedy))
+        }
     }
 }
 
@@ -381,30 +414,31 @@ fn blocks<'a>(
             (Colour::Spectral(_), _) => &["wl"],
         };
         if !words.iter().any(|word| token.is(word)) {
-            return Err(tokens.unexpected(&token, format!("the block '{}'", words[0])));
+            let remedy = "write the blocks in the order of TypeColorModel, one for each of its channels";
+            return Err(tokens.unexpected(&token, format!("the block '{}'", words[0]), remedy));
         }
         if let Colour::Spectral(_) = colour {
             let above = wavelengths.last().copied().unwrap_or(0.0);
             let expected = format!("a wavelength in nm above {above}");
             let token = tokens.expect(&expected)?;
             let nm = finite(token.word, &(0.0..=1e6)).filter(|nm| *nm > above);
-            wavelengths.push(nm.ok_or_else(|| tokens.unexpected(&token, expected))?);
+            wavelengths.push(nm.ok_or_else(|| tokens.unexpected(&token, expected, remedy::WAVELENGTHS))?);
         }
         content(tokens, channel)?;
         tokens.keyword("enddef")?;
     }
     if let Some(token) = tokens.next() {
         let expected = format!("the end of the file after {} blocks", colour.blocks());
-        return Err(tokens.unexpected(&token, expected));
+        return Err(tokens.unexpected(&token, expected, remedy::MORE_BEHIND));
     }
     Ok(match colour {
         Colour::Bw => Channels::Monochrome,
         Colour::Rgb => Channels::Rgb,
         Colour::Spectral(_) => {
             let grid = WavelengthGrid::new(wavelengths);
-            Channels::Wavelengths(
-                grid.map_err(|e| FormatError::file(tokens.source.path, "wavelengths", e.to_string()))?,
-            )
+            Channels::Wavelengths(grid.map_err(|e| {
+                FormatError::file(tokens.source.path, "wavelengths", e.to_string(), remedy::WAVELENGTHS)
+            })?)
         }
     })
 }
@@ -415,7 +449,7 @@ fn factors_of(tokens: &mut Tokens, count: usize) -> Result<Option<Vec<f64>>, For
         return Ok(None);
     }
     if !token.is("kbdf") {
-        return Err(tokens.unexpected(&token, "'kbdf' or 'def'"));
+        return Err(tokens.unexpected(&token, "'kbdf' or 'def'", remedy::SPELLING));
     }
     let mut factors = Vec::new();
     let expected = format!("{count} factors, one a psi and sigma, finite, 0 or more");

@@ -34,10 +34,10 @@ impl KlemsBasis {
                 &[1, 8, 16, 20, 24, 24, 24, 16, 12],
             ),
             "LBNL/Klems Half" => (
-                &[0.0, 6.5, 19.5, 32.5, 46.5, 61.5, 76.5, 90.0],
-                &[1, 8, 12, 16, 20, 12, 4],
+                &[0.0, 6.5, 19.5, 32.5, 45.5, 58.5, 71.5, 90.0],
+                &[1, 8, 12, 16, 20, 12, 8],
             ),
-            "LBNL/Klems Quarter" => (&[0.0, 9.0, 27.0, 46.0, 66.0, 90.0], &[1, 8, 12, 12, 8]),
+            "LBNL/Klems Quarter" => (&[0.0, 9.0, 27.0, 45.0, 63.0, 90.0], &[1, 8, 12, 12, 8]),
             _ => return None,
         };
         Self::new(name, limits.to_vec(), patches.to_vec())
@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn bases_cover_the_hemisphere() {
-        for (name, count) in [("Full", 145), ("Half", 73), ("Quarter", 41)] {
+        for (name, count) in [("Full", 145), ("Half", 77), ("Quarter", 41)] {
             let basis = KlemsBasis::named(&format!("LBNL/Klems {name}")).unwrap();
             assert_eq!(basis.count(), count);
             let sum: f64 = (0..count).map(|patch| basis.projected_solid_angle(patch)).sum();

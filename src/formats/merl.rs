@@ -10,8 +10,10 @@ use rayon::prelude::*;
 use super::FormatError;
 use super::axis::Axis;
 use super::detect::Format;
+use super::error::remedy;
 use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table, direction};
 use super::grid::{Fold, Grid, Parameters};
+use super::source::{is_implausible, swapped};
 use crate::geometry::Vec3;
 
 const THETA_H: usize = 90;
@@ -28,10 +30,19 @@ pub(super) const SIZE: u64 = (HEADER + 3 * 8 * NODES) as u64;
 const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
 pub(super) fn begins(head: &[u8]) -> bool {
+    counts_are(head, u32::from_le_bytes)
+}
+
+/// As [`begins`], of a file of a big-endian machine.
+pub(super) fn begins_swapped(head: &[u8]) -> bool {
+    counts_are(head, u32::from_be_bytes)
+}
+
+fn counts_are(head: &[u8], number: fn([u8; 4]) -> u32) -> bool {
     let counts: Vec<u32> = head
         .chunks_exact(4)
         .take(3)
-        .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+        .map(|b| number([b[0], b[1], b[2], b[3]]))
         .collect();
     // The variant without reciprocity has 360; it is known, and then refused by its size.
     matches!(counts[..], [90, 90, 180 | 360])
@@ -40,7 +51,13 @@ pub(super) fn begins(head: &[u8]) -> bool {
 pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError> {
     if bytes.len() as u64 != SIZE || !begins(bytes) || bytes[8] != PHI_D as u8 {
         let expected = format!("{SIZE} bytes: counts 90, 90, 180, and 3 values of 8 bytes for each node");
-        return Err(FormatError::file(path, expected, format!("{} bytes", bytes.len())));
+        let remedy = "copy the file again in binary mode; the variant with 360 azimuths is not read";
+        return Err(FormatError::file(
+            path,
+            expected,
+            format!("{} bytes", bytes.len()),
+            remedy,
+        ));
     }
     let stored = |index: usize| {
         let mut word = [0; 8];
@@ -48,9 +65,13 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         f64::from_le_bytes(word)
     };
     let all = || (0..3 * NODES).into_par_iter();
+    if is_implausible((0..3 * NODES).step_by(97).map(stored)) {
+        return Err(swapped(path, HEADER));
+    }
     if let Some(index) = all().find_first(|&index| !stored(index).is_finite()) {
         let found = stored(index).to_string();
-        return Err(FormatError::byte(path, HEADER + 8 * index, "a finite value", found));
+        let at = HEADER + 8 * index;
+        return Err(FormatError::byte(path, at, "a finite value", found, remedy::DAMAGED));
     }
     // A node has data in all channels or in none.
     let is_hole = |node: usize| (0..3).any(|plane| stored(plane * NODES + node) < 0.0);
@@ -58,21 +79,13 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         true => f64::NAN,
         false => stored(index) * SCALE[index / NODES],
     };
-    let values = all().map(value).collect();
-    let axes = [
-        Axis::held((0..THETA_H).map(theta_h_rad).collect()),
-        Axis::azimuth(vec![0.0], TAU),
-        Axis::held((0..THETA_D).map(|i| (i as f64).to_radians()).collect()),
-        Axis::azimuth((0..PHI_D).map(|i| (i as f64).to_radians()).collect(), PI),
-    ];
-    let grid = Grid::new(
-        Parameters::HalfDifference,
-        axes,
-        Fold::HalfTurn,
-        3,
-        [4, 1, 0, 2, 3],
-        values,
-    );
+    let values: Vec<f64> = all().map(value).collect();
+    if values.par_iter().all(|v| v.is_nan()) {
+        let expected = "values of 0 or more, a negative one where there are no data";
+        let remedy = "check the sign of the data: such a file holds nothing";
+        return Err(FormatError::byte(path, HEADER, expected, "negative ones alone", remedy));
+    }
+    let grid = grid(values);
     Ok(Goniometric {
         format: Format::Merl,
         provenance: Provenance::default(),
@@ -85,6 +98,33 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         }],
         warnings: vec!["MERL files state neither their RGB primaries nor any provenance".into()],
     })
+}
+
+/// A table of these values in 1/sr, planes one after the other; NaN where there are no data.
+fn grid(values: Vec<f64>) -> Grid {
+    let axes = [
+        Axis::held((0..THETA_H).map(theta_h_rad).collect()),
+        Axis::azimuth(vec![0.0], TAU),
+        Axis::held((0..THETA_D).map(|i| (i as f64).to_radians()).collect()),
+        Axis::azimuth((0..PHI_D).map(|i| (i as f64).to_radians()).collect(), PI),
+    ];
+    Grid::new(
+        Parameters::HalfDifference,
+        axes,
+        Fold::HalfTurn,
+        3,
+        [4, 1, 0, 2, 3],
+        values,
+    )
+}
+
+/// As [`bytes`] are read.
+pub(super) fn table(rgb: &[Option<[f64; 3]>]) -> Grid {
+    let planes = (0..3).flat_map(|channel| {
+        rgb.iter()
+            .map(move |node| node.map_or(f64::NAN, |values| values[channel]))
+    });
+    grid(planes.collect())
 }
 
 fn theta_h_rad(index: usize) -> f64 {

@@ -5,13 +5,16 @@
 
 mod axis;
 mod columns;
+mod csv_readings;
 mod detect;
 mod error;
 mod goniometric;
 mod grid;
+mod hemispherical;
 mod integra;
 mod klems;
 mod merl;
+mod pole;
 mod radiance;
 mod rgl;
 mod scattered;
@@ -34,6 +37,7 @@ pub use goniometric::{
     Channels, Component, Evaluation, Goniometric, Placement, Provenance, Quantity, Scatter, Side, Table, direction,
 };
 pub use grid::{Fold, Grid, Parameters};
+pub use hemispherical::Hemispherical;
 pub use klems::{KlemsBasis, KlemsMatrix};
 pub use scattered::{Directions, Scattered};
 pub use specular::SpecularTable;
@@ -41,8 +45,9 @@ pub use tensor_tree::TensorTree;
 pub use warped::Warped;
 pub use write::{Encoding, WriteError, WriteOptions, Written, write};
 
+pub(crate) use error::remedy;
 pub(crate) use source::read as read_bytes;
-pub(crate) use text::{Text, quoted};
+pub(crate) use text::{Text, decode, quoted};
 pub(crate) use write::resampled_nodes;
 
 /// What some formats leave open, stated by the user.
@@ -91,22 +96,52 @@ pub fn parse(path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Goniomet
 }
 
 fn parse_as(format: Format, path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Goniometric, FormatError> {
-    match format {
-        Format::Csv => columns::read_csv(Text::new(path, bytes)?),
-        Format::Ddr => integra::read_diffuse(Text::new(path, bytes)?, options),
-        Format::Sdr => integra::read_specular(Text::new(path, bytes)?, options),
-        Format::Ssdd => ssdd::read(path, bytes),
-        Format::Astm => columns::read_astm(Text::new(path, bytes)?, options),
-        Format::Merl => merl::read(path, bytes),
-        Format::Rgl => rgl::read(path, bytes),
-        Format::Zemax => zemax::read_zemax(Text::new(path, bytes)?),
-        Format::LightTools => zemax::read_lighttools(Text::new(path, bytes)?),
-        Format::RadianceXml => radiance::read(Text::new(path, bytes)?),
-        Format::Utia => utia::read(path, bytes, options),
-        Format::Wif => Err(FormatError::file(
-            path,
-            "a goniometric file; `specval weave` reads drafts",
-            "a weave draft (WIF)",
-        )),
+    /// Below it values that differ are taken as rounded.
+    const SEAM: f64 = 1e-3;
+    let mut data = parse_values(format, path, bytes, options)?;
+    pole::give_one_value(&mut data);
+    for component in &data.components {
+        if let Table::Grid(grid) = &component.table
+            && grid.seam() > SEAM
+        {
+            data.warnings.push(format!(
+                "values at azimuths 360 degrees apart, which are one direction, differ by up to {:.1} %: both are kept, with a \
+                 jump between them",
+                100.0 * grid.seam()
+            ));
+        }
     }
+    Ok(data)
+}
+
+fn parse_values(format: Format, path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Goniometric, FormatError> {
+    let decoded = match format {
+        Format::Ddr | Format::Sdr | Format::Astm | Format::Zemax | Format::LightTools | Format::RadianceXml => {
+            decode(path, bytes)?
+        }
+        Format::Csv => return csv_readings::read(path, bytes),
+        Format::Ssdd => return ssdd::read(path, bytes),
+        Format::Merl => return merl::read(path, bytes),
+        Format::Rgl => return rgl::read(path, bytes),
+        Format::Utia => return utia::read(path, bytes, options),
+        Format::Wif => {
+            return Err(FormatError::file(
+                path,
+                "a goniometric file",
+                "a weave draft (WIF)",
+                "print it with `specval weave`, or weave it in a study with [weave] draft",
+            ));
+        }
+    };
+    let text = Text::new(path, &decoded.text);
+    let mut data = match format {
+        Format::Ddr => integra::read_diffuse(text, options),
+        Format::Sdr => integra::read_specular(text, options),
+        Format::Astm => columns::read_astm(text, options),
+        Format::Zemax => zemax::read_zemax(text),
+        Format::LightTools => zemax::read_lighttools(text),
+        _ => radiance::read(text),
+    }?;
+    data.warnings.extend(decoded.notice);
+    Ok(data)
 }

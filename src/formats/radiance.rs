@@ -2,15 +2,15 @@
 //!
 //! `Reflection Back` and `Transmission Back` have their light on +z, `Front` on −z.
 
-use roxmltree::{Document, Node as Element};
+use roxmltree::{Document, Node as Element, ParsingOptions};
 
 use super::FormatError;
 use super::detect::Format;
-use super::error::Place;
+use super::error::{Place, remedy};
 use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
 use super::klems::{KlemsBasis, KlemsMatrix};
 use super::tensor_tree::{Node, TensorTree};
-use super::text::{NOT_NEGATIVE, Text, finite, quoted};
+use super::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
 
 /// A basis or a nesting beyond these is none that can be meant.
 const LATITUDES: usize = 46;
@@ -18,26 +18,30 @@ const PATCHES: usize = 10_000;
 const DEPTH: usize = 64;
 
 struct Xml<'a> {
-    path: &'a str,
-    document: &'a Document<'a>,
+    text: Text<'a>,
+    /// Byte of the text at which the XML begins.
+    begins: usize,
 }
 
 impl Xml<'_> {
-    fn error(&self, element: Element, expected: impl Into<String>, found: impl Into<String>) -> FormatError {
-        self.error_at(element.range().start, expected, found)
+    fn error(
+        &self,
+        element: Element,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> FormatError {
+        let at = self.begins + element.range().start;
+        self.text.error(at, expected, found, remedy)
     }
 
-    fn error_at(&self, at: usize, expected: impl Into<String>, found: impl Into<String>) -> FormatError {
-        let place = self.document.text_pos_at(at);
-        let place = Place::Line {
-            line: place.row as usize,
-            column: place.col as usize,
-        };
-        FormatError::at(self.path, place, expected, found)
+    fn missing(&self, element: Element, name: &str) -> FormatError {
+        let remedy = format!("add <{name}>, or export the file again: the format needs it");
+        self.error(element, format!("an element <{name}> in it"), "none", remedy)
     }
 
     fn child<'n>(&self, element: Element<'n, 'n>, name: &str) -> Result<Element<'n, 'n>, FormatError> {
-        child(element, name).ok_or_else(|| self.error(element, format!("an element <{name}> in it"), "none"))
+        child(element, name).ok_or_else(|| self.missing(element, name))
     }
 
     fn words<'n>(&self, element: Element<'n, 'n>, name: &str) -> Result<&'n str, FormatError> {
@@ -46,9 +50,13 @@ impl Xml<'_> {
 
     fn number(&self, element: Element<'_, '_>, name: &str) -> Result<f64, FormatError> {
         let child = element.children().find(|n| n.has_tag_name_in_any_space(name));
-        let child = child.ok_or_else(|| self.error(element, format!("an element <{name}> in it"), "none"))?;
+        let child = child.ok_or_else(|| self.missing(element, name))?;
         let word = child.text().unwrap_or_default().trim();
-        finite(word, &(0.0..=1e6)).ok_or_else(|| self.error(child, format!("a number in <{name}>"), quoted(word)))
+        let range = 0.0..=1e6;
+        finite(word, &range).ok_or_else(|| {
+            let expected = format!("a number in <{name}>, 0 or more");
+            self.error(child, expected, quoted(word), remedy_for(word, &range))
+        })
     }
 }
 
@@ -79,25 +87,41 @@ struct Blocks<'n> {
 }
 
 pub(super) fn read(text: Text) -> Result<Goniometric, FormatError> {
-    let document = Document::parse(text.text).map_err(|e| {
-        let place = Place::Line {
-            line: e.pos().row as usize,
-            column: e.pos().col as usize,
-        };
-        FormatError::at(text.path, place, "XML", e.to_string())
-    })?;
-    let xml = Xml {
-        path: text.path,
-        document: &document,
+    let begins = begin(text.text);
+    // A document type names rules that nothing here needs; entities could make a small file endless.
+    if let Some(at) = text.text[begins..].find("<!ENTITY") {
+        let remedy = "write the text of each entity where it is used, and remove the declaration";
+        return Err(text.error(begins + at, "XML without entities of its own", "'<!ENTITY'", remedy));
+    }
+    let options = ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
     };
+    let document = Document::parse_with_options(&text.text[begins..], options).map_err(|e| {
+        let (row, column) = (e.pos().row as usize, e.pos().col as usize);
+        let before = match text.place(begins) {
+            Place::Line { line, column } => [line - 1, if row == 1 { column - 1 } else { 0 }],
+            _ => [0, 0],
+        };
+        let place = Place::Line {
+            line: before[0] + row,
+            column: before[1] + column,
+        };
+        let remedy = "correct the tags there, or copy the file again: it may be cut short";
+        FormatError::at(text.path, place, "XML", e.to_string(), remedy)
+    })?;
+    let xml = Xml { text, begins };
     let root = document.root_element();
     if !root.has_tag_name_in_any_space("WindowElement") {
-        return Err(xml.error(root, "the root element <WindowElement>", quoted(root.tag_name().name())));
+        let remedy = "this is XML of another kind; give a BSDF file of Radiance (genBSDF, bsdf2klems) or WINDOW";
+        let found = quoted(root.tag_name().name());
+        return Err(xml.error(root, "the root element <WindowElement>", found, remedy));
     }
     if let Some(kind) = child(root, "FileType")
         && words(kind) != "BSDF"
     {
-        return Err(xml.error(kind, "<FileType> BSDF", quoted(words(kind))));
+        let remedy = "give the file that holds the BSDF, not the one of the glazing system";
+        return Err(xml.error(kind, "<FileType> BSDF", quoted(words(kind)), remedy));
     }
     let layer = xml.child(xml.child(root, "Optical")?, "Layer")?;
     let definition = xml.child(layer, "DataDefinition")?;
@@ -108,10 +132,16 @@ pub(super) fn read(text: Text) -> Result<Goniometric, FormatError> {
         "TensorTree4" => Some(4),
         _ => {
             let expected = "<IncidentDataStructure> Columns, Rows, TensorTree3 or TensorTree4";
-            return Err(xml.error(definition, expected, quoted(structure)));
+            let remedy = "export the data as a Klems matrix or a tensor tree";
+            return Err(xml.error(definition, expected, quoted(structure), remedy));
         }
     };
     let mut warnings = Vec::new();
+    if !text.text[..begins].trim().is_empty() {
+        let lines = text.text[..begins].lines().count();
+        warnings.push(format!("{lines} lines before the XML are passed over"));
+    }
+    let mut readings = Readings::default();
     let blocks = blocks(&xml, layer, rank.is_some(), &mut warnings)?;
     let mut components = Vec::new();
     for Blocks { scatter, side, data } in &blocks {
@@ -122,7 +152,13 @@ pub(super) fn read(text: Text) -> Result<Goniometric, FormatError> {
         };
         let chosen: Vec<Element> = names.iter().filter_map(|&i| data[i]).collect();
         if chosen.len() != names.len() {
-            return Err(xml.error(layer, "a block of wavelength Visible for each direction", "none"));
+            let remedy = "add the data of the wavelength Visible to this direction";
+            return Err(xml.error(
+                layer,
+                "a block of wavelength Visible for each direction",
+                "none",
+                remedy,
+            ));
         }
         if chosen.len() == 1 && data.iter().flatten().count() > 1 {
             warnings.push("colour is incomplete and left out: one of the two chromaticity blocks is missing".into());
@@ -132,10 +168,10 @@ pub(super) fn read(text: Text) -> Result<Goniometric, FormatError> {
                 rank,
                 chosen
                     .iter()
-                    .map(|&block| tree(&xml, block, rank))
+                    .map(|&block| tree(&xml, block, rank, &mut readings))
                     .collect::<Result<_, _>>()?,
             )),
-            None => Table::Klems(matrix(&xml, definition, &chosen, structure == "Rows")?),
+            None => Table::Klems(matrix(&xml, definition, &chosen, structure == "Rows", &mut readings)?),
         };
         components.push(Component {
             scatter: *scatter,
@@ -150,8 +186,10 @@ pub(super) fn read(text: Text) -> Result<Goniometric, FormatError> {
         });
     }
     if components.is_empty() {
-        return Err(xml.error(layer, "a <WavelengthData> of Visible light in it", "none"));
+        let remedy = "export visible data: those of the sun's spectrum or of single wavelengths are not read";
+        return Err(xml.error(layer, "a <WavelengthData> of Visible light in it", "none", remedy));
     }
+    text.judge(&readings, &mut warnings)?;
     let mut provenance = Provenance::default();
     if let Some(material) = child(layer, "Material") {
         for element in material.children().filter(Element::is_element) {
@@ -205,7 +243,7 @@ fn blocks<'n>(
                 "Transmission Front" => (Scatter::Transmission, Side::Back),
                 _ => {
                     let expected = "<WavelengthDataDirection> Reflection or Transmission, Front or Back";
-                    return Err(xml.error(block, expected, quoted(direction)));
+                    return Err(xml.error(block, expected, quoted(direction), remedy::SPELLING));
                 }
             };
             let index = all
@@ -224,6 +262,7 @@ fn blocks<'n>(
                     block,
                     "each direction and wavelength once",
                     format!("{direction} of {wavelength} again"),
+                    remedy::ONE_OF_TWO,
                 ));
             }
         }
@@ -231,35 +270,56 @@ fn blocks<'n>(
     Ok(all)
 }
 
-fn matrix(xml: &Xml, definition: Element, blocks: &[Element], rows: bool) -> Result<KlemsMatrix, FormatError> {
+/// The beginning of the XML: programs may print a line or two before it.
+fn begin(text: &str) -> usize {
+    let declaration = text.find("<?xml");
+    let root = text.find("<WindowElement");
+    match (declaration, root) {
+        (Some(at), root) if root.is_none_or(|root| at < root) => at,
+        (_, Some(root)) if !text.trim_start().starts_with('<') => root,
+        _ => 0,
+    }
+}
+
+fn matrix(
+    xml: &Xml,
+    definition: Element,
+    blocks: &[Element],
+    rows: bool,
+    readings: &mut Readings,
+) -> Result<KlemsMatrix, FormatError> {
     let mut bases = None;
     let mut values = Vec::new();
     for &block in blocks {
         let find = |name: &str| -> Result<&str, FormatError> {
             let element = block.children().find(|n| n.has_tag_name_in_any_space(name));
-            let element = element.ok_or_else(|| xml.error(block, format!("an element <{name}> in it"), "none"))?;
+            let element = element.ok_or_else(|| xml.missing(block, name))?;
             Ok(element.text().unwrap_or_default().trim())
         };
         let incident = basis(xml, definition, find("ColumnAngleBasis")?, block)?;
         let exiting = basis(xml, definition, find("RowAngleBasis")?, block)?;
         let (n_in, n_out) = (incident.count(), exiting.count());
         let data = block.children().find(|n| n.has_tag_name_in_any_space("ScatteringData"));
-        let data = data.ok_or_else(|| xml.error(block, "an element <ScatteringData> in it", "none"))?;
+        let data = data.ok_or_else(|| xml.missing(block, "ScatteringData"))?;
         let text = data.text().unwrap_or_default();
         let count = n_in * n_out;
         let start = values.len();
         for word in text.split([',', ' ', '\t', '\n', '\r']).filter(|word| !word.is_empty()) {
             if values.len() - start == count {
-                return Err(xml.error(data, format!("{count} values, {n_in} x {n_out}"), "more"));
+                let expected = format!("{count} values, {n_in} x {n_out}");
+                return Err(xml.error(data, expected, "more", remedy::ANGLE_BASES));
             }
-            let value = finite(word, &NOT_NEGATIVE);
-            let value =
-                value.ok_or_else(|| xml.error(data, "values in 1/sr, 0 or more, between commas", quoted(word)))?;
+            let value = finite(word, &FINITE).ok_or_else(|| {
+                let expected = "values in 1/sr, 0 or more, between commas";
+                xml.error(data, expected, quoted(word), remedy_for(word, &FINITE))
+            })?;
+            readings.take(value, xml.begins + data.range().start);
             values.push(value);
         }
         if values.len() - start != count {
             let found = format!("{}", values.len() - start);
-            return Err(xml.error(data, format!("{count} values, {n_in} x {n_out}"), found));
+            let expected = format!("{count} values, {n_in} x {n_out}");
+            return Err(xml.error(data, expected, found, remedy::ANGLE_BASES));
         }
         if rows {
             let transposed: Vec<f64> = (0..count)
@@ -270,18 +330,18 @@ fn matrix(xml: &Xml, definition: Element, blocks: &[Element], rows: bool) -> Res
         match &bases {
             None => bases = Some((incident, exiting)),
             Some(first) if *first == (incident, exiting) => {}
-            Some(_) => return Err(xml.error(block, "the same angle bases in all wavelengths", "others")),
+            Some(_) => {
+                let remedy = "give X, Y and Z on the same patches, or Visible alone";
+                return Err(xml.error(block, "the same angle bases in all wavelengths", "others", remedy));
+            }
         }
     }
-    let (incident, exiting) = bases.ok_or_else(|| xml.error(definition, "a block of data", "none"))?;
+    let (incident, exiting) = bases.ok_or_else(|| xml.missing(definition, "WavelengthDataBlock"))?;
     Ok(KlemsMatrix::new(incident, exiting, values))
 }
 
-/// A basis known by name, or as the file defines it.
+/// A basis as the file defines it, whatever its name; without blocks in the file, the one known by that name.
 fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<KlemsBasis, FormatError> {
-    if let Some(known) = KlemsBasis::named(name) {
-        return Ok(known);
-    }
     let is_it = |basis: &Element| {
         let title = basis.children().find(|n| n.has_tag_name_in_any_space("AngleBasisName"));
         title.is_some_and(|title| title.text().unwrap_or_default().trim() == name)
@@ -289,9 +349,12 @@ fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<Klem
     let mut bases = definition
         .children()
         .filter(|n| n.has_tag_name_in_any_space("AngleBasis"));
-    let found = bases.find(is_it);
-    let found =
-        found.ok_or_else(|| xml.error(at, "an angle basis known by name or defined in the file", quoted(name)))?;
+    let has_blocks = |basis: &Element| basis.children().any(|n| n.has_tag_name_in_any_space("AngleBasisBlock"));
+    let Some(found) = bases.find(|basis| is_it(basis) && has_blocks(basis)) else {
+        let expected = "an angle basis known by name or defined in the file";
+        let remedy = "add its <AngleBasis> to <DataDefinition>";
+        return KlemsBasis::named(name).ok_or_else(|| xml.error(at, expected, quoted(name), remedy));
+    };
     let mut limits = vec![0.0];
     let mut patches = Vec::new();
     for ring in found
@@ -299,10 +362,14 @@ fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<Klem
         .filter(|n| n.has_tag_name_in_any_space("AngleBasisBlock"))
     {
         let bounds = ring.children().find(|n| n.has_tag_name_in_any_space("ThetaBounds"));
-        let bounds = bounds.ok_or_else(|| xml.error(ring, "an element <ThetaBounds> in it", "none"))?;
+        let bounds = bounds.ok_or_else(|| xml.missing(ring, "ThetaBounds"))?;
         let (lower, upper) = (xml.number(bounds, "LowerTheta")?, xml.number(bounds, "UpperTheta")?);
-        if limits.last() != Some(&lower) {
-            return Err(xml.error(bounds, "a <LowerTheta> where the last block ended", lower.to_string()));
+        /// Programs write bounds with few digits.
+        const SAME_DEG: f64 = 1e-3;
+        if limits.last().is_none_or(|last| (last - lower).abs() > SAME_DEG) {
+            let remedy = "order the blocks from the normal outwards, without gaps, in degrees";
+            let expected = "a <LowerTheta> where the last block ended";
+            return Err(xml.error(bounds, expected, lower.to_string(), remedy));
         }
         limits.push(upper);
         patches.push(xml.number(ring, "nPhis")?);
@@ -316,15 +383,25 @@ fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<Klem
         None
     };
     let expected = "rings of patches from 0 to 90 degrees, the first with one patch";
-    basis.ok_or_else(|| xml.error(found, expected, "others"))
+    basis.ok_or_else(|| {
+        xml.error(
+            found,
+            expected,
+            "others",
+            "correct the blocks of the basis, or export it again",
+        )
+    })
 }
 
-fn tree(xml: &Xml, block: Element, rank: usize) -> Result<Node, FormatError> {
+fn tree(xml: &Xml, block: Element, rank: usize, readings: &mut Readings) -> Result<Node, FormatError> {
     let data = block.children().find(|n| n.has_tag_name_in_any_space("ScatteringData"));
-    let data = data.ok_or_else(|| xml.error(block, "an element <ScatteringData> in it", "none"))?;
+    let data = data.ok_or_else(|| xml.missing(block, "ScatteringData"))?;
     let text = data.text().unwrap_or_default();
     let mut words = Braces { rest: text };
-    let refuse = |expected: String, found: &str| xml.error(data, expected, quoted(found));
+    let refuse = |expected: String, found: &str| {
+        let remedy = "compare the braces: a tree that was cut short or edited is to be exported again";
+        xml.error(data, expected, quoted(found), remedy)
+    };
     if words.next() != Some("{") {
         return Err(refuse("'{' at the beginning of a tree".into(), text.trim_start()));
     }
@@ -356,8 +433,15 @@ fn tree(xml: &Xml, block: Element, rank: usize) -> Result<Node, FormatError> {
                 }
             }
             number => {
-                let value = finite(number, &NOT_NEGATIVE);
-                let value = value.ok_or_else(|| refuse("values in 1/sr, 0 or more".into(), number))?;
+                let value = finite(number, &FINITE).ok_or_else(|| {
+                    xml.error(
+                        data,
+                        "values in 1/sr, 0 or more",
+                        quoted(number),
+                        remedy_for(number, &FINITE),
+                    )
+                })?;
+                readings.take(value, xml.begins + data.range().start);
                 if let Some((_, values)) = open.last_mut() {
                     values.push(value);
                 }

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 
 use super::FormatError;
 use super::detect::Format;
+use super::error::remedy;
 use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
+use super::source::{is_implausible, swapped};
 use super::text::quoted;
 use super::warped::{Arrays, Warped};
 use crate::spectrum::WavelengthGrid;
@@ -26,6 +28,13 @@ struct Field {
     at: usize,
 }
 
+impl Field {
+    /// Bytes.
+    fn size(&self) -> usize {
+        self.count * usize::from(SIZES[usize::from(self.element)])
+    }
+}
+
 /// Reads little-endian numbers on from a place.
 struct Cursor<'a> {
     path: &'a str,
@@ -36,7 +45,8 @@ struct Cursor<'a> {
 impl<'a> Cursor<'a> {
     fn take(&mut self, count: usize, what: &str) -> Result<&'a [u8], FormatError> {
         let taken = self.bytes.get(self.position..).and_then(|rest| rest.get(..count));
-        let taken = taken.ok_or_else(|| FormatError::byte(self.path, self.position, what, "the end of the file"))?;
+        let taken = taken
+            .ok_or_else(|| FormatError::byte(self.path, self.position, what, "the end of the file", remedy::DAMAGED))?;
         self.position += count;
         Ok(taken)
     }
@@ -56,8 +66,11 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
     for (name, angles, low, high) in [("theta_i", &theta_i, -1e-4, 1.5709), ("phi_i", &phi_i, -3.1417, 6.2833)] {
         let ascending = angles.windows(2).all(|pair| pair[0] < pair[1]);
         if !ascending || angles.iter().any(|a| !(low..=high).contains(&f64::from(*a))) {
-            let expected = format!("`{name}` ascending radians from {low} to {high}");
-            return Err(FormatError::file(path, expected, "others"));
+            let expected = format!("`{name}` in radians, ascending, from {low:.2} to {high:.2}");
+            let ends = [angles[0], angles[angles.len() - 1]];
+            let found = format!("{} angles from {} to {}", angles.len(), ends[0], ends[1]);
+            let remedy = "sort the slices by angle, and give angles in radians";
+            return Err(FormatError::file(path, expected, found, remedy));
         }
     }
     let (phis, thetas) = (Some(phi_i.len()), Some(theta_i.len()));
@@ -71,8 +84,8 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         let wavelengths = file.array("wavelengths", &[None])?;
         let count = wavelengths.len();
         let nm = wavelengths.into_iter().map(f64::from).collect();
-        let grid =
-            WavelengthGrid::new(nm).map_err(|e| FormatError::file(path, "ascending `wavelengths`", e.to_string()))?;
+        let grid = WavelengthGrid::new(nm)
+            .map_err(|e| FormatError::file(path, "ascending `wavelengths`", e.to_string(), remedy::WAVELENGTHS))?;
         let values = file.array("spectra", &[phis, thetas, Some(count), square, square])?;
         (Channels::Wavelengths(grid), values)
     } else {
@@ -81,6 +94,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
                 path,
                 "`spectra` beside `wavelengths`",
                 "no such array",
+                "add the spectra, or remove `wavelengths` from an RGB file",
             ));
         }
         (
@@ -96,6 +110,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
                 path,
                 "`jacobian` 0 or 1",
                 format!("{} bytes, another value", other.len()),
+                "write it as one byte: 1 where values are without the Jacobian of the warp, else 0",
             ));
         }
     };
@@ -116,22 +131,62 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         jacobian,
     };
     if arrays.size < 2 {
-        return Err(FormatError::file(path, "`luminance` of 2 x 2 nodes or more", "fewer"));
-    }
-    let warped = Warped::new(arrays).map_err(|expected| FormatError::file(path, expected, "others"))?;
-    if let Some(index) = warped.negative_above_horizon() {
-        let name = if channels == Channels::Rgb { "rgb" } else { "spectra" };
-        let offset = file.field(name, F32)?.offset + 4 * index;
-        return Err(FormatError::byte(
+        let remedy = "write the arrays on a finer square";
+        return Err(FormatError::file(
             path,
-            offset,
-            format!("a value of `{name}`, 0 or more"),
-            "a negative one",
+            "`luminance` of 2 x 2 nodes or more",
+            "fewer",
+            remedy,
         ));
     }
+    let warped = Warped::new(arrays).map_err(|expected| {
+        FormatError::file(
+            path,
+            expected,
+            "others",
+            "the file is no measurement as the format has it: export it again",
+        )
+    })?;
     let mut warnings = Vec::new();
     if channels == Channels::Rgb {
         warnings.push("the RGB primaries are not stated".to_owned());
+    }
+    let name = if channels == Channels::Rgb { "rgb" } else { "spectra" };
+    let negative = warped.negative_above_horizon();
+    if negative.count > 0 {
+        if negative.sum >= negative.positive_sum {
+            warnings.push(format!(
+                "the values of `{name}` below 0 outweigh those above it: check the sign of the data, or copy the file again in \
+                 binary mode"
+            ));
+        }
+        let cause = if channels == Channels::Rgb {
+            "as colours outside the RGB space have them"
+        } else {
+            "as dark subtraction leaves them"
+        };
+        warnings.push(format!(
+            "{} values of `{name}` are below 0, down to {}, {cause}; what is below 0 after interpolation counts as 0",
+            negative.count, negative.lowest
+        ));
+    }
+    if let Some(words) = warped.symmetry() {
+        warnings.push(format!(
+            "azimuths of a part of the circle are stored: the rest is taken as {words}, as Mitsuba does"
+        ));
+    }
+    let end = file
+        .fields
+        .values()
+        .map(|field| field.offset + field.size())
+        .max()
+        .unwrap_or(0);
+    // Arrays are aligned to 8 bytes.
+    if bytes.len() >= end + 8 {
+        warnings.push(format!(
+            "{} bytes behind the last array are not used",
+            bytes.len() - end
+        ));
     }
     let provenance = Provenance {
         source: None,
@@ -159,12 +214,19 @@ fn fields(path: &str, bytes: &[u8]) -> Result<BTreeMap<String, Field>, FormatErr
         position: 0,
     };
     if cursor.take(12, "the beginning of a tensor file")? != MAGIC {
-        return Err(FormatError::byte(path, 0, "the beginning of a tensor file", "another"));
+        return Err(FormatError::byte(
+            path,
+            0,
+            "the beginning of a tensor file",
+            "another",
+            remedy::DAMAGED,
+        ));
     }
     let version = cursor.take(2, "version 1.0")?;
     if version != [1, 0] {
         let found = format!("version {}.{}", version[0], version[1]);
-        return Err(FormatError::byte(path, 12, "version 1.0", found));
+        let remedy = "write the file as version 1.0, which all its readers take";
+        return Err(FormatError::byte(path, 12, "version 1.0", found, remedy));
     }
     let count = u32::from_le_bytes(cursor.number("the number of arrays")?);
     let mut fields = BTreeMap::new();
@@ -172,12 +234,14 @@ fn fields(path: &str, bytes: &[u8]) -> Result<BTreeMap<String, Field>, FormatErr
         let at = cursor.position;
         let length = u16::from_le_bytes(cursor.number("the length of an array's name")?);
         let name = cursor.take(usize::from(length), "the name of an array")?;
-        let name =
-            std::str::from_utf8(name).map_err(|_| FormatError::byte(path, at, "a name in UTF-8", "other bytes"))?;
+        let name = std::str::from_utf8(name)
+            .map_err(|_| FormatError::byte(path, at, "a name in UTF-8", "other bytes", remedy::DAMAGED))?;
         let dimensions = u16::from_le_bytes(cursor.number("a number of dimensions")?);
         let [element] = cursor.number::<1>("an element type")?;
         let size = SIZES.get(usize::from(element)).filter(|&&size| size > 0);
-        let size = size.ok_or_else(|| FormatError::byte(path, at, "an element type 1..11", element.to_string()))?;
+        let size = size.ok_or_else(|| {
+            FormatError::byte(path, at, "an element type 1..11", element.to_string(), remedy::DAMAGED)
+        })?;
         let offset = u64::from_le_bytes(cursor.number("the place of an array")?);
         let mut shape = Vec::new();
         for _ in 0..dimensions {
@@ -198,6 +262,7 @@ fn fields(path: &str, bytes: &[u8]) -> Result<BTreeMap<String, Field>, FormatErr
                 at,
                 expected,
                 format!("a file of {} bytes", bytes.len()),
+                remedy::CUT_SHORT,
             ));
         };
         let field = Field {
@@ -208,7 +273,13 @@ fn fields(path: &str, bytes: &[u8]) -> Result<BTreeMap<String, Field>, FormatErr
             at,
         };
         if fields.insert(name.to_owned(), field).is_some() {
-            return Err(FormatError::byte(path, at, "each array once", quoted(name)));
+            return Err(FormatError::byte(
+                path,
+                at,
+                "each array once",
+                quoted(name),
+                remedy::ONE_OF_TWO,
+            ));
         }
     }
     Ok(fields)
@@ -223,7 +294,13 @@ struct File<'a> {
 impl File<'_> {
     fn field(&self, name: &str, element: u8) -> Result<&Field, FormatError> {
         let field = self.fields.get(name);
-        let field = field.ok_or_else(|| FormatError::file(self.path, format!("an array `{name}`"), "none"))?;
+        let field = field.ok_or_else(|| {
+            let remedy = match name {
+                "rgb" => "the file may be tensors of another kind than a measured BSDF; write `rgb`, or `spectra` and `wavelengths`",
+                _ => "the file may be tensors of another kind than a measured BSDF, which has this array",
+            };
+            FormatError::file(self.path, format!("an array `{name}`"), "none", remedy)
+        })?;
         if field.element == element {
             return Ok(field);
         }
@@ -233,6 +310,7 @@ impl File<'_> {
             field.at,
             expected,
             field.element.to_string(),
+            "store values as 32-bit floats (type 10), texts and flags as bytes (type 1)",
         ))
     }
 
@@ -248,6 +326,7 @@ impl File<'_> {
                 self.path,
                 format!("`{name}` of 2 x 2 nodes or more"),
                 "fewer",
+                "write the array on a finer grid",
             )),
         }
     }
@@ -274,12 +353,19 @@ impl File<'_> {
                 field.at,
                 expected,
                 format!("{:?}", field.shape),
+                "arrays must agree with `phi_i`, `theta_i`, `wavelengths` and `luminance`: export the file again",
             ));
         }
         let bytes = &self.bytes[field.offset..field.offset + 4 * field.count];
+        let stored = bytes
+            .chunks_exact(4)
+            .map(|bytes| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+        // Densities may be tiny far from their peak; values of scattering are not.
+        if matches!(name, "rgb" | "spectra") && is_implausible(stored.clone().map(f64::from)) {
+            return Err(swapped(self.path, field.offset));
+        }
         let mut values = Vec::with_capacity(field.count);
-        for (index, bytes) in bytes.chunks_exact(4).enumerate() {
-            let value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        for (index, value) in stored.enumerate() {
             if !value.is_finite() || (value < 0.0 && !matches!(name, "phi_i" | "rgb" | "spectra")) {
                 let at = field.offset + 4 * index;
                 return Err(FormatError::byte(
@@ -287,6 +373,7 @@ impl File<'_> {
                     at,
                     format!("a value of `{name}`, 0 or more"),
                     value.to_string(),
+                    remedy::DAMAGED,
                 ));
             }
             values.push(value);

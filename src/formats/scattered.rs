@@ -1,3 +1,4 @@
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use super::axis::Axis;
@@ -6,7 +7,8 @@ use crate::geometry::Vec3;
 
 /// Readings at pairs of directions, sorted into a tree of angles: incident polar angle and azimuth, outgoing polar angle
 /// and azimuth, or, of readings in the plane of incidence alone, incident polar angle and signed view angle. Linear
-/// in each angle in turn; nothing beyond what was read.
+/// in each angle in turn; nothing beyond what was read. At a pole, where readings of several azimuths are of one direction, the
+/// value is their mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scattered {
     directions: Directions,
@@ -33,6 +35,8 @@ pub enum Directions {
 struct Branch {
     axis: Axis,
     below: Vec<Node>,
+    /// Share of the circle of each node, of azimuths about a pole.
+    about_pole: Option<Vec<f64>>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +66,9 @@ impl Scattered {
             return Err(Twice(pair[0].min(pair[1]), pair[0].max(pair[1])));
         }
         let sphere = directions == Directions::Sphere;
+        if let Some(pair) = contradiction(angles, channels, &values).filter(|_| sphere) {
+            return Err(pair);
+        }
         let isotropic = !sphere || angles.iter().all(|a| a[1] == angles[0][1]);
         let sides = || {
             angles
@@ -129,7 +136,7 @@ impl Scattered {
         let errors = self.errors.as_ref()?;
         let around = self.around_pair(omega_in, omega_out)?;
         let mut squares = vec![0.0; self.channels];
-        for (reading, share) in &around.readings[..around.count] {
+        for (reading, share) in &around.readings {
             let row = &errors[reading * self.channels..(reading + 1) * self.channels];
             let pairs = squares.iter_mut().zip(row);
             pairs.for_each(|(sum, error)| *sum += (share * error).powi(2));
@@ -145,6 +152,60 @@ impl Scattered {
             errors: None,
             ..self.clone()
         }
+    }
+
+    /// Outgoing polar angles and azimuths in radians, some of them doubled, at which the interpolation for light from a direction
+    /// has its nodes. `None` outside what was read.
+    pub(super) fn outgoing_nodes(&self, theta_i: f64, phi_i: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+        let around = |branch: &'_ Branch, angle: f64| {
+            let between = branch.axis.locate(angle)?;
+            Some(if between.t > 0.0 {
+                vec![between.below, between.above]
+            } else {
+                vec![between.below]
+            })
+        };
+        let (mut polar, mut azimuths) = (Vec::new(), Vec::new());
+        for of_theta in around(&self.tree, theta_i)? {
+            let Node::Branch(by_phi) = &self.tree.below[of_theta] else {
+                return None;
+            };
+            let all = (0..by_phi.below.len()).collect();
+            let nodes = if by_phi.about_pole.is_some() {
+                all
+            } else {
+                around(by_phi, phi_i)?
+            };
+            // Azimuths of isotropic readings are kept with the light's.
+            let turn = if self.isotropic {
+                phi_i - self.tree.below[0].first()
+            } else {
+                0.0
+            };
+            for of_phi in nodes {
+                let Node::Branch(by_polar) = &by_phi.below[of_phi] else {
+                    return None;
+                };
+                polar.extend(by_polar.axis.nodes_rad());
+                for node in &by_polar.below {
+                    if let Node::Branch(by_azimuth) = node
+                        && by_azimuth.about_pole.is_none()
+                    {
+                        for phi in by_azimuth.axis.nodes_rad() {
+                            azimuths.push(phi + turn);
+                            if self.mirrored {
+                                azimuths.push(2.0 * phi_i - phi - turn);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        for nodes in [&mut polar, &mut azimuths] {
+            nodes.sort_by(f64::total_cmp);
+            nodes.dedup_by(|a, b| *a - *b < 1e-6);
+        }
+        Some((polar, azimuths))
     }
 
     pub(super) fn incidences_rad(&self) -> Vec<f64> {
@@ -217,8 +278,7 @@ impl Scattered {
     /// The readings around a place; `None` outside what was read.
     fn around(&self, angles: &[f64]) -> Option<Around> {
         let mut around = Around {
-            readings: [(0, 0.0); 16],
-            count: 0,
+            readings: Vec::with_capacity(16),
             on_node: true,
         };
         self.tree.find(angles, 1.0, &mut around)?;
@@ -226,7 +286,7 @@ impl Scattered {
     }
 
     fn add(&self, around: &Around, weight: f64, sums: &mut [f64]) {
-        for (reading, share) in &around.readings[..around.count] {
+        for (reading, share) in &around.readings {
             let row = &self.values[reading * self.channels..(reading + 1) * self.channels];
             let weight = weight * share;
             sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
@@ -234,14 +294,50 @@ impl Scattered {
     }
 }
 
-/// Readings around a place with their shares: two at each of four angles at most.
+/// The first two readings whose azimuths differ by whole turns alone and whose values differ.
+fn contradiction(angles: &[Vec<f64>], channels: usize, values: &[f64]) -> Option<Twice> {
+    /// Rounding in a file of a few digits.
+    const SAME: f64 = 1e-3;
+    let mut seen: HashMap<Vec<i64>, usize> = HashMap::new();
+    let row = |reading: usize| &values[reading * channels..(reading + 1) * channels];
+    for (reading, angles) in angles.iter().enumerate() {
+        let turned = |(level, angle): (usize, &f64)| {
+            let angle = if level % 2 == 1 { angle.rem_euclid(TAU) } else { *angle };
+            let rounded = (angle * 1e9).round();
+            if level % 2 == 1 && rounded == (TAU * 1e9).round() {
+                0
+            } else {
+                rounded as i64
+            }
+        };
+        let first = *seen
+            .entry(angles.iter().enumerate().map(turned).collect())
+            .or_insert(reading);
+        let differ = |(a, b): (&f64, &f64)| (a - b).abs() > SAME * a.abs().max(b.abs());
+        if row(first).iter().zip(row(reading)).any(differ) {
+            return Some(Twice(first, reading));
+        }
+    }
+    None
+}
+
+/// Readings around a place with their shares.
 struct Around {
-    readings: [(usize, f64); 16],
-    count: usize,
+    readings: Vec<(usize, f64)>,
     on_node: bool,
 }
 
 impl Node {
+    fn find(&self, angles: &[f64], share: f64, around: &mut Around) -> Option<()> {
+        match self {
+            Self::Branch(branch) => branch.find(angles, share, around),
+            Self::Reading(reading) => {
+                around.readings.push((*reading, share));
+                Some(())
+            }
+        }
+    }
+
     fn first(&self) -> f64 {
         match self {
             Self::Branch(branch) => branch.axis.nodes_rad()[0],
@@ -270,22 +366,26 @@ impl Branch {
             1 | 3 if sphere => Axis::azimuth(nodes_rad, TAU),
             _ => Axis::bounded(nodes_rad),
         };
-        Self { axis, below }
+        let about_pole = (sphere && level % 2 == 1 && at_pole).then(|| axis.shares());
+        Self {
+            axis,
+            below,
+            about_pole,
+        }
     }
 
     fn find(&self, angles: &[f64], share: f64, around: &mut Around) -> Option<()> {
+        if let Some(shares) = &self.about_pole {
+            let nodes = self.below.iter().zip(shares);
+            return nodes
+                .into_iter()
+                .try_for_each(|(node, part)| node.find(&angles[1..], share * part, around));
+        }
         let between = self.axis.locate(angles[0])?;
         around.on_node &= between.on_node;
         for (node, part) in [(between.below, 1.0 - between.t), (between.above, between.t)] {
-            if part == 0.0 {
-                continue;
-            }
-            match &self.below[node] {
-                Node::Branch(branch) => branch.find(&angles[1..], share * part, around)?,
-                Node::Reading(reading) => {
-                    around.readings[around.count] = (*reading, share * part);
-                    around.count += 1;
-                }
+            if part > 0.0 {
+                self.below[node].find(&angles[1..], share * part, around)?;
             }
         }
         Some(())

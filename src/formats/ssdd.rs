@@ -1,18 +1,20 @@
 //! SSDD, Surface Scattering Distribution Data, version 0.3: lines of properties, then text or 32-bit binary values; up to
 //! four blocks in one file. Values are f in 1/sr, fractions in specular blocks.
 
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 use super::FormatError;
 use super::axis::Axis;
 use super::detect::Format;
-use super::error::Place;
+use super::error::{Place, remedy};
 use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
 use super::grid::{Fold, Grid, Parameters};
 use super::integra::radians;
+use super::source::{is_implausible, swapped};
 use super::specular::SpecularTable;
-use super::text::{NOT_NEGATIVE, finite, quoted};
+use super::text::{FINITE, Readings, finite, quoted, remedy_for};
 use crate::spectrum::WavelengthGrid;
 
 /// The lines of a file that may hold binary data between them.
@@ -27,43 +29,48 @@ struct Lines<'a> {
 
 impl<'a> Lines<'a> {
     /// The next line that is neither blank nor a comment.
-    fn next(&mut self) -> Result<Option<&'a str>, FormatError> {
+    fn next(&mut self) -> Result<Option<Cow<'a, str>>, FormatError> {
         while self.position < self.bytes.len() {
             let rest = &self.bytes[self.position..];
             let end = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
             self.position += (end + 1).min(rest.len());
             self.number += 1;
-            let line = std::str::from_utf8(&rest[..end])
-                .ok()
-                .filter(|line| !line.contains('\0'));
-            let line = line.ok_or_else(|| self.error("text in UTF-8", "bytes that are no text"))?;
-            let line = line.strip_prefix('\u{feff}').unwrap_or(line).trim();
-            if !line.is_empty() && !line.starts_with('#') {
-                return Ok(Some(line));
+            let line = &rest[..end];
+            if line.contains(&0) {
+                return Err(self.error("text", "bytes that are no text", remedy::BINARY_BEHIND));
+            }
+            // Letters of another encoding are in comments and names alone.
+            let line = String::from_utf8_lossy(line);
+            let trimmed = line.trim_start_matches('\u{feff}').trim();
+            if !trimmed.is_empty() && !trimmed.starts_with('#') {
+                return Ok(Some(match &line {
+                    Cow::Borrowed(line) => Cow::Borrowed(line.trim_start_matches('\u{feff}').trim()),
+                    Cow::Owned(_) => Cow::Owned(trimmed.to_owned()),
+                }));
             }
         }
         Ok(None)
     }
 
-    fn error(&self, expected: impl Into<String>, found: impl Into<String>) -> FormatError {
+    fn error(&self, expected: impl Into<String>, found: impl Into<String>, remedy: impl Into<String>) -> FormatError {
         let place = Place::Line {
             line: self.number.max(1),
             column: 1,
         };
-        FormatError::at(self.path, place, expected, found)
+        FormatError::at(self.path, place, expected, found, remedy)
     }
 }
 
 /// The properties of a block, before its data.
 #[derive(Default)]
-struct Block<'a> {
-    data_type: Option<&'a str>,
-    colour_model: Option<&'a str>,
+struct Block {
+    data_type: Option<&'static str>,
+    colour_model: Option<&'static str>,
     wavelengths_nm: Option<Vec<f64>>,
-    parameter_type: Option<&'a str>,
+    parameter_type: Option<&'static str>,
     reduction: (bool, bool),
     lists_deg: [Option<Vec<f64>>; 5],
-    source: Option<&'a str>,
+    source: Option<String>,
 }
 
 const BLOCK_KINDS: [&str; 4] = ["brdf", "btdf", "specular_reflectance", "specular_transmittance"];
@@ -76,6 +83,10 @@ const PARAMETER_TYPES: [&str; 4] = [
 ];
 
 pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError> {
+    // Of a file with binary values the lines are decoded one by one.
+    let text = crate::text::encoding::decode(bytes).ok();
+    let text = text.filter(|decoded| !decoded.text.contains("DATA binary"));
+    let bytes = text.as_ref().map_or(bytes, |decoded| decoded.text.as_bytes());
     let mut lines = Lines {
         path,
         bytes,
@@ -85,15 +96,20 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
     let mut provenance = Provenance::default();
     let mut components: Vec<Component> = Vec::new();
     let mut kinds_seen: Vec<&str> = Vec::new();
-    let mut warnings = Vec::new();
+    let mut warnings: Vec<String> = text
+        .as_ref()
+        .and_then(|decoded| decoded.notice.clone())
+        .into_iter()
+        .collect();
     let mut block = Block::default();
     let mut open = false;
     while let Some(line) = lines.next()? {
+        let line = line.as_ref();
         let (name, value) = line.split_once([' ', '\t']).map_or((line, ""), |(n, v)| (n, v.trim()));
         if let Some(index) = list_index(name) {
             let list = ascending(&lines, value, name, 0.0..=360.0, index == 4)?;
             if block.lists_deg[index].replace(list).is_some() {
-                return Err(lines.error("each property once in a block", quoted(name)));
+                return Err(lines.error("each property once in a block", quoted(name), remedy::ONE_OF_TWO));
             }
             continue;
         }
@@ -106,11 +122,12 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
             }
             "DATA_TYPE" => {
                 if open {
-                    return Err(lines.error("DATA before the next DATA_TYPE", quoted(line)));
+                    let remedy = "add the values of the block before it, or remove that block";
+                    return Err(lines.error("DATA before the next DATA_TYPE", quoted(line), remedy));
                 }
                 let kind = word_of(&lines, value, &BLOCK_KINDS)?;
                 if kinds_seen.contains(&kind) {
-                    return Err(lines.error("each DATA_TYPE once in a file", quoted(kind)));
+                    return Err(lines.error("each DATA_TYPE once in a file", quoted(kind), remedy::ONE_PER_FILE));
                 }
                 kinds_seen.push(kind);
                 (block, open) = (Block::default(), true);
@@ -128,23 +145,25 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
                     }
                 }
             }
-            "SOURCE_TYPE" => block.source = Some(value),
+            "SOURCE_TYPE" => block.source = Some(value.to_owned()),
             "SOFTWARE" | "API" | "DATE" | "NAME" | "DEVICE" | "CREATION_DATE" | "MEASUREMENT_DATE" => {
                 provenance.statements.push((name.into(), value.into()));
             }
             "DATA" => {
                 let Some(kind) = block.data_type.filter(|_| open) else {
-                    return Err(lines.error("DATA_TYPE before DATA", quoted(line)));
+                    let remedy = "begin each block with its properties, from DATA_TYPE on";
+                    return Err(lines.error("DATA_TYPE before DATA", quoted(line), remedy));
                 };
-                provenance.source = provenance.source.or(block.source.map(str::to_owned));
-                components.push(component(&mut lines, kind, &block, value)?);
+                provenance.source = provenance.source.or(block.source.clone());
+                components.push(component(&mut lines, kind, &block, value, &mut warnings)?);
                 open = false;
             }
-            _ => return Err(lines.error("a property of SSDD, or DATA", quoted(name))),
+            _ => return Err(lines.error("a property of SSDD, or DATA", quoted(name), remedy::PROPERTY)),
         }
     }
     if open || components.is_empty() {
-        return Err(lines.error("a block of data, from DATA_TYPE to DATA", "the end of the file"));
+        let expected = "a block of data, from DATA_TYPE to DATA";
+        return Err(lines.error(expected, "the end of the file", remedy::CUT_SHORT));
     }
     Ok(Goniometric {
         format: Format::Ssdd,
@@ -164,9 +183,13 @@ fn list_index(name: &str) -> Option<usize> {
 
 fn word_of<'w>(lines: &Lines, found: &str, words: &[&'w str]) -> Result<&'w str, FormatError> {
     let known = words.iter().find(|&&word| word == found);
-    known
-        .copied()
-        .ok_or_else(|| lines.error(words.join(" or "), quoted(found)))
+    known.copied().ok_or_else(|| {
+        lines.error(
+            words.join(" or "),
+            quoted(found),
+            "write one of these words, in lower case",
+        )
+    })
 }
 
 fn ascending(
@@ -182,23 +205,38 @@ fn ascending(
     for word in list.split_whitespace() {
         let value = finite(word, &range).filter(|v| any_order || values.last().is_none_or(|last| v > last));
         let expected = || format!("numbers in {name}, {}..{}{order}", range.start(), range.end());
-        values.push(value.ok_or_else(|| lines.error(expected(), quoted(word)))?);
+        let remedy = match name {
+            "WAVELENGTH_LIST" => remedy::WAVELENGTHS,
+            _ => remedy::SORT,
+        };
+        values.push(value.ok_or_else(|| lines.error(expected(), quoted(word), remedy))?);
     }
     if values.is_empty() {
-        return Err(lines.error(format!("numbers in {name}"), "none"));
+        let remedy = "list them on the same line, between blanks";
+        return Err(lines.error(format!("numbers in {name}"), "none", remedy));
     }
     Ok(values)
 }
 
-fn component(lines: &mut Lines, kind: &str, block: &Block, encoding: &str) -> Result<Component, FormatError> {
-    let missing = |name: &str| lines.error(format!("{name} before DATA in the block '{kind}'"), "none");
+fn component(
+    lines: &mut Lines,
+    kind: &str,
+    block: &Block,
+    encoding: &str,
+    warnings: &mut Vec<String>,
+) -> Result<Component, FormatError> {
+    let missing = |name: &str| {
+        let remedy = format!("add a line {name} to the properties of the block");
+        lines.error(format!("{name} before DATA in the block '{kind}'"), "none", remedy)
+    };
     let channels = match block.colour_model.ok_or_else(|| missing("COLOR_MODEL"))? {
         "monochrome" => Channels::Monochrome,
         "rgb" => Channels::Rgb,
         "xyz" => Channels::Xyz,
         _ => {
             let nm = block.wavelengths_nm.clone().ok_or_else(|| missing("WAVELENGTH_LIST"))?;
-            Channels::Wavelengths(WavelengthGrid::new(nm).map_err(|e| lines.error("WAVELENGTH_LIST", e.to_string()))?)
+            let grid = WavelengthGrid::new(nm);
+            Channels::Wavelengths(grid.map_err(|e| lines.error("WAVELENGTH_LIST", e.to_string(), remedy::WAVELENGTHS))?)
         }
     };
     let specular = kind.starts_with("specular");
@@ -227,15 +265,16 @@ fn component(lines: &mut Lines, kind: &str, block: &Block, encoding: &str) -> Re
     for (index, (list, highest)) in lists.iter().zip(highest).enumerate() {
         if let Some(beyond) = list.iter().find(|&&angle| angle > highest) {
             let expected = format!("angles of at most {highest} degrees in PARAM{index}_LIST");
-            return Err(lines.error(expected, beyond.to_string()));
+            let remedy = "check the PARAM_TYPE and that the angles are in degrees";
+            return Err(lines.error(expected, beyond.to_string(), remedy));
         }
     }
     let nodes = lists
         .iter()
         .try_fold(channels.count(), |product, list| product.checked_mul(list.len()));
-    let count = nodes.ok_or_else(|| lines.error("a number of values that can be counted", "more"))?;
-    let range = if specular { 0.0..=1.0 } else { NOT_NEGATIVE };
-    let values = values(lines, encoding, count, channels.count(), &range)?;
+    let count = nodes.ok_or_else(|| lines.error("a number of values that can be counted", "more", remedy::LISTS))?;
+    let range = if specular { 0.0..=1.0 } else { FINITE };
+    let values = values(lines, encoding, count, channels.count(), &range, warnings)?;
     let scatter = if matches!(kind, "brdf" | "specular_reflectance") {
         Scatter::Reflection
     } else {
@@ -250,7 +289,8 @@ fn component(lines: &mut Lines, kind: &str, block: &Block, encoding: &str) -> Re
         let offsets = match &block.lists_deg[4] {
             Some(list) if list.len() != p0.len() => {
                 let expected = format!("{} offsets in PARAM4_LIST, one a PARAM0", p0.len());
-                return Err(lines.error(expected, list.len().to_string()));
+                let remedy = "give an offset for each angle of PARAM0_LIST, or leave PARAM4_LIST out";
+                return Err(lines.error(expected, list.len().to_string(), remedy));
             }
             Some(list) => radians(list),
             None => vec![0.0; p0.len()],
@@ -260,7 +300,10 @@ fn component(lines: &mut Lines, kind: &str, block: &Block, encoding: &str) -> Re
             "specular_coordinate_system" => Parameters::Specular { offsets_rad: offsets },
             "half_difference_coordinate_system" => Parameters::HalfDifference,
             "distorted_spherical_coordinate_system" => Parameters::Distorted { offsets_rad: offsets },
-            _ => return Err(lines.error(format!("PARAM_TYPE before DATA in the block '{kind}'"), "none")),
+            _ => {
+                let expected = format!("PARAM_TYPE before DATA in the block '{kind}'");
+                return Err(lines.error(expected, "none", "add a line PARAM_TYPE to the properties of the block"));
+            }
         };
         let (fold, last) = match block.reduction {
             (false, false) => (Fold::None, 360.0),
@@ -269,11 +312,18 @@ fn component(lines: &mut Lines, kind: &str, block: &Block, encoding: &str) -> Re
             (true, true) => (Fold::MirrorAndHalfTurn, 90.0),
         };
         if block.reduction.1 && parameters != Parameters::HalfDifference {
-            return Err(lines.error("reciprocity with half-difference parameters alone", parameter_type));
+            let remedy = "give all azimuths and leave the word out of REDUCTION_TYPE";
+            return Err(lines.error(
+                "reciprocity with half-difference parameters alone",
+                parameter_type,
+                remedy,
+            ));
         }
         if fold != Fold::None && (p3[0], p3[p3.len() - 1]) != (0.0, last) {
             let found = format!("{} to {}", p3[0], p3[p3.len() - 1]);
-            return Err(lines.error(format!("PARAM3_LIST from 0 to {last} with this REDUCTION_TYPE"), found));
+            let expected = format!("PARAM3_LIST from 0 to {last} with this REDUCTION_TYPE");
+            let remedy = "give these azimuths, or write REDUCTION_TYPE none and all of the circle";
+            return Err(lines.error(expected, found, remedy));
         }
         let around = match fold {
             Fold::None => Axis::azimuth(radians(&p3), TAU),
@@ -304,8 +354,13 @@ fn values(
     count: usize,
     channels: usize,
     range: &RangeInclusive<f64>,
+    warnings: &mut Vec<String>,
 ) -> Result<Vec<f64>, FormatError> {
-    let expected = format!("values, finite, {} or more", range.start());
+    let expected = match range {
+        range if *range == FINITE => "values, finite, 0 or more".to_owned(),
+        range => format!("values from {} to {}", range.start(), range.end()),
+    };
+    let mut readings = Readings::default();
     let rest = lines.bytes.len() - lines.position;
     match encoding {
         "binary" => {
@@ -316,44 +371,71 @@ fn values(
                     lines.position,
                     promised,
                     format!("{rest} bytes to the end of the file"),
+                    remedy::LISTS_OR_CUT,
                 )
             })?;
-            let mut values = Vec::with_capacity(count);
-            for (index, bytes) in lines.bytes[lines.position..lines.position + size]
+            let stored = lines.bytes[lines.position..lines.position + size]
                 .chunks_exact(4)
-                .enumerate()
-            {
-                let value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-                if !(value.is_finite() && range.contains(&f64::from(value))) {
-                    let at = lines.position + 4 * index;
-                    return Err(FormatError::byte(lines.path, at, expected, value.to_string()));
+                .map(|bytes| f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])));
+            if is_implausible(stored.clone()) {
+                return Err(swapped(lines.path, lines.position));
+            }
+            let mut values = Vec::with_capacity(count);
+            for (index, value) in stored.enumerate() {
+                let at = lines.position + 4 * index;
+                if !(value.is_finite() && range.contains(&value)) {
+                    let found = value.to_string();
+                    return Err(FormatError::byte(lines.path, at, expected, found, remedy::DAMAGED));
                 }
-                values.push(f64::from(value));
+                readings.take(value, at);
+                values.push(value);
             }
             lines.position += size;
+            match readings.judged() {
+                Ok(warning) => warnings.extend(warning),
+                Err((at, [expected, found, remedy])) => {
+                    return Err(FormatError::byte(lines.path, at, expected, found, remedy));
+                }
+            }
             Ok(values)
         }
         "ascii" => {
             if count > rest.div_ceil(2) {
                 let found = format!("room for {} at most in the rest of the file", rest.div_ceil(2));
-                return Err(lines.error(format!("{count} values, as the lists say"), found));
+                let expected = format!("{count} values, as the lists say");
+                return Err(lines.error(expected, found, remedy::LISTS_OR_CUT));
             }
             let mut values = Vec::with_capacity(count);
             while values.len() < count {
                 let promised = || format!("{count} values, {channels} a line, as the lists say");
                 let line = lines.next()?;
-                let line = line.ok_or_else(|| lines.error(promised(), format!("{}", values.len())))?;
+                let line =
+                    line.ok_or_else(|| lines.error(promised(), format!("{}", values.len()), remedy::LISTS_OR_CUT))?;
                 let before = values.len();
                 for word in line.split_whitespace() {
-                    values.push(finite(word, range).ok_or_else(|| lines.error(expected.as_str(), quoted(word)))?);
+                    let value = finite(word, range)
+                        .ok_or_else(|| lines.error(expected.as_str(), quoted(word), remedy_for(word, range)))?;
+                    readings.take(value, lines.number);
+                    values.push(value);
                 }
                 if values.len() != before + channels {
                     let found = format!("{}", values.len() - before);
-                    return Err(lines.error(format!("{channels} values in a line"), found));
+                    let remedy = "write the channels of one pair of directions in a line, as COLOR_MODEL has them";
+                    return Err(lines.error(format!("{channels} values in a line"), found, remedy));
+                }
+            }
+            match readings.judged() {
+                Ok(warning) => warnings.extend(warning),
+                Err((line, [expected, found, remedy])) => {
+                    let place = Place::Line { line, column: 1 };
+                    return Err(FormatError::at(lines.path, place, expected, found, remedy));
                 }
             }
             Ok(values)
         }
-        _ => Err(lines.error("DATA ascii or DATA binary", quoted(encoding))),
+        _ => {
+            let remedy = "write how the values behind the line are stored";
+            Err(lines.error("DATA ascii or DATA binary", quoted(encoding), remedy))
+        }
     }
 }

@@ -5,8 +5,10 @@ use std::f64::consts::TAU;
 
 use super::axis::Axis;
 use super::detect::Format;
+use super::error::remedy;
 use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
 use super::grid::{Fold, Grid, Parameters};
+use super::source::{is_implausible, swapped};
 use super::{FormatError, ReadOptions};
 
 const POLAR: usize = 6;
@@ -22,19 +24,36 @@ pub(super) fn read(path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Go
             path,
             format!("{SIZE} bytes"),
             format!("{} bytes", bytes.len()),
+            "copy the file again in binary mode; files of other steps in angle are not read",
         ));
+    }
+    let stored = |bytes: &[u8]| {
+        let mut word = [0; 8];
+        word.copy_from_slice(bytes);
+        f64::from_le_bytes(word)
+    };
+    if is_implausible(bytes.chunks_exact(8).map(stored)) {
+        return Err(swapped(path, 0));
     }
     let mut negative = 0;
     let mut values = Vec::with_capacity(COUNT);
-    for (index, bytes) in bytes.chunks_exact(8).enumerate() {
-        let mut word = [0; 8];
-        word.copy_from_slice(bytes);
-        let stored = f64::from_le_bytes(word);
+    for (index, stored) in bytes.chunks_exact(8).map(stored).enumerate() {
         if !stored.is_finite() || stored.abs() > 1e30 {
-            return Err(FormatError::byte(path, 8 * index, "a finite value", stored.to_string()));
+            let found = stored.to_string();
+            return Err(FormatError::byte(
+                path,
+                8 * index,
+                "a finite value",
+                found,
+                remedy::DAMAGED,
+            ));
         }
         negative += usize::from(stored < 0.0);
         values.push(stored * options.scale.unwrap_or(1.0));
+    }
+    if values.iter().all(|v| *v <= 0.0) {
+        let remedy = "check the sign of the data, and that the file is of this format: it has no header to tell by";
+        return Err(FormatError::byte(path, 0, "values above 0", "none above 0", remedy));
     }
     let polar = || Axis::bounded((0..POLAR).map(|i| (15.0 * i as f64).to_radians()).collect());
     let azimuth = || Axis::azimuth((0..AZIMUTHS).map(|i| (7.5 * i as f64).to_radians()).collect(), TAU);

@@ -14,7 +14,28 @@ pub struct Warped {
     arrays: Arrays,
     incidence: Axis,
     azimuth: Axis,
+    reduction: Reduction,
     warp: Vec<Density>,
+}
+
+/// The part of the circle of incident azimuths that is stored; the rest follows from a symmetry of the material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reduction {
+    Whole,
+    /// Half of it: a half turn about the normal changes nothing.
+    HalfTurn,
+    /// A quarter: mirroring at either axis changes nothing.
+    TwoMirrors,
+}
+
+/// Values below 0 of directions above the horizon.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Negative {
+    pub(super) count: usize,
+    pub(super) lowest: f32,
+    /// Sum of their magnitudes, and of the values above 0.
+    pub(super) sum: f64,
+    pub(super) positive_sum: f64,
 }
 
 /// As they stand in the file, slices in the order φ_i, θ_i.
@@ -35,6 +56,35 @@ pub(super) struct Arrays {
     pub(super) channels: usize,
     pub(super) values: Vec<f32>,
     pub(super) jacobian: bool,
+}
+
+impl Reduction {
+    /// By the range of the azimuths, as Mitsuba 3 has it; and their axis.
+    fn of(phi_rad: &[f64]) -> (Self, Axis) {
+        let range = phi_rad[phi_rad.len() - 1] - phi_rad[0];
+        match (TAU / range).round() as u64 {
+            2 => (Self::HalfTurn, Axis::azimuth(phi_rad.to_vec(), PI)),
+            4 => (Self::TwoMirrors, Axis::bounded(phi_rad.to_vec())),
+            _ => (Self::Whole, Axis::azimuth(phi_rad.to_vec(), TAU)),
+        }
+    }
+
+    /// Azimuths of incidence and of the half vector in the part that is stored, which begins at `first`.
+    fn stored(self, first: f64, [phi_i, phi_m]: [f64; 2]) -> [f64; 2] {
+        let beyond = match self {
+            Self::Whole => return [phi_i, phi_m],
+            Self::HalfTurn | Self::TwoMirrors => (phi_i - first).rem_euclid(PI),
+        };
+        let within = first + beyond;
+        if self == Self::HalfTurn || beyond <= FRAC_PI_2 + 1e-5 {
+            // Turned by a multiple of half a turn.
+            [within, phi_m + within - phi_i]
+        } else {
+            // Mirrored at the axis of the first azimuth, and turned.
+            let mirrored = first + PI - beyond;
+            [mirrored, mirrored + phi_i - phi_m]
+        }
+    }
 }
 
 /// A density over the unit square, bilinear between nodes and normalised, with its sums.
@@ -116,14 +166,15 @@ impl Warped {
         if arrays.jacobian && arrays.sigma.iter().any(|&s| s <= 0.0) {
             return Err("values of `sigma` above 0");
         }
-        let azimuth = match arrays.isotropic {
-            true => Axis::azimuth(vec![0.0], TAU),
-            false => Axis::azimuth(arrays.phi_i.clone(), TAU),
+        let (reduction, azimuth) = match arrays.isotropic {
+            true => (Reduction::Whole, Axis::azimuth(vec![0.0], TAU)),
+            false => Reduction::of(&arrays.phi_i),
         };
         Ok(Self {
             warp: warp.ok_or("`vndf` with a total above 0 in each slice")?,
             incidence: Axis::bounded(arrays.theta_i.clone()),
             azimuth,
+            reduction,
             arrays,
         })
     }
@@ -152,20 +203,57 @@ impl Warped {
         a.vndf.iter().all(|&v| v == a.vndf[0]) && a.ndf.iter().zip(&a.sigma).all(|(n, s)| *n == 1.0 && *s == 0.25)
     }
 
-    /// The first negative value that is not merely a continuation below the horizon, which smooths what lies above it.
-    pub(super) fn negative_above_horizon(&self) -> Option<usize> {
+    /// Negative values that are not merely a continuation below the horizon, which smooths what lies above it.
+    pub(super) fn negative_above_horizon(&self) -> Negative {
         let a = &self.arrays;
         let unwarped = self.is_unwarped();
         let square = a.size * a.size;
-        let mut negative = a.values.iter().enumerate().filter(|(_, v)| **v < 0.0);
-        negative.find_map(|(index, _)| {
+        let mut found = Negative::default();
+        for (index, &value) in a.values.iter().enumerate() {
+            if value >= 0.0 {
+                found.positive_sum += f64::from(value);
+                continue;
+            }
             let (slice, node) = (index / (square * a.channels), index % square);
             let theta_i = a.theta_i[slice % a.theta_i.len()];
             let phi_i = a.phi_i[slice / a.theta_i.len()];
             let place = [node / a.size, node % a.size];
-            let above = !unwarped || unwarped_node(theta_i, phi_i, a.isotropic, a.size, place).1.z > 1e-6;
-            above.then_some(index)
-        })
+            if !unwarped || unwarped_node(theta_i, phi_i, a.isotropic, a.size, place).1.z > 1e-6 {
+                found.count += 1;
+                found.sum -= f64::from(value);
+                found.lowest = found.lowest.min(value);
+            }
+        }
+        found
+    }
+
+    /// Whether incident azimuths go all the way round, as pbrt and powitacq need them; or there is one.
+    pub(super) fn covers_circle(&self) -> bool {
+        let phi_i = &self.arrays.phi_i;
+        self.arrays.isotropic || phi_i[phi_i.len() - 1] - phi_i[0] > TAU - 1e-3
+    }
+
+    /// The symmetry by which azimuths that are not stored follow; `None` where the whole circle is, or one azimuth.
+    pub fn symmetry(&self) -> Option<&'static str> {
+        match self.reduction {
+            Reduction::Whole => None,
+            Reduction::HalfTurn => Some("the same after a half turn about the normal"),
+            Reduction::TwoMirrors => Some("mirror-symmetric about both axes"),
+        }
+    }
+
+    /// Polar angles of half vectors in radians at which the warp, the distribution of normals or, without a warp, the values have
+    /// their nodes.
+    pub(super) fn polar_nodes(&self) -> Vec<f64> {
+        let a = &self.arrays;
+        let mut columns = vec![a.vndf_shape[1], a.ndf_shape[1]];
+        if self.is_unwarped() {
+            columns.push(a.size);
+        }
+        let nodes = columns
+            .into_iter()
+            .flat_map(|n| (0..n).map(move |k| k as f64 / (n - 1) as f64));
+        nodes.map(|x| x * x * FRAC_PI_2).collect()
     }
 
     pub(super) fn incidences_rad(&self) -> Vec<f64> {
@@ -222,6 +310,7 @@ impl Warped {
     /// Values at polar angles and azimuths of the direction to the light and of the half vector.
     fn at(&self, (theta_i, phi_i): (f64, f64), (theta_m, phi_m): (f64, f64)) -> Option<(Vec<f64>, Placement)> {
         let a = &self.arrays;
+        let [phi_i, phi_m] = self.reduction.stored(a.phi_i[0], [phi_i, phi_m]);
         let (slices, on_slice) = self.slices(theta_i, phi_i)?;
         let x = unit_theta(theta_m);
         let y = if a.isotropic {

@@ -5,10 +5,11 @@ use std::f64::consts::TAU;
 use super::FormatError;
 use super::axis::Axis;
 use super::detect::Format;
+use super::error::remedy;
 use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
 use super::grid::{Fold, Grid, Parameters};
 use super::integra::radians;
-use super::text::{NOT_NEGATIVE, Text, Tokens, quoted};
+use super::text::{NOT_NEGATIVE, Readings, Text, Tokens};
 
 fn list(tokens: &mut Tokens, keyword: &str, high: f64) -> Result<Vec<f64>, FormatError> {
     tokens.keyword(keyword)?;
@@ -22,7 +23,9 @@ fn choice<'w>(tokens: &mut Tokens, keyword: &str, words: &[&'w str]) -> Result<&
     let expected = format!("{keyword} {}", words.join(" or "));
     let token = tokens.expect(&expected)?;
     let known = words.iter().find(|word| token.is(word));
-    known.copied().ok_or_else(|| tokens.unexpected(&token, expected))
+    known
+        .copied()
+        .ok_or_else(|| tokens.unexpected(&token, expected, remedy::SPELLING))
 }
 
 fn provenance(tokens: &Tokens, source: &str) -> Provenance {
@@ -72,7 +75,9 @@ pub(super) fn read_zemax(text: Text) -> Result<Goniometric, FormatError> {
     if [azimuth[0], azimuth[azimuth.len() - 1]] != ends {
         let expected = format!("angles ScatterAzimuth from {} to {} of {symmetry}", ends[0], ends[1]);
         let found = format!("{} to {}", azimuth[0], azimuth[azimuth.len() - 1]);
-        return Err(FormatError::file(text.path, expected, found));
+        let remedy =
+            "repeat the values of the first azimuth at the last one, or state the Symmetry that these angles have";
+        return Err(FormatError::file(text.path, expected, found, remedy));
     }
     let blocks: &[&str] = match content {
         "XYZ" => &["TristimulusX", "TristimulusY", "TristimulusZ"],
@@ -81,23 +86,22 @@ pub(super) fn read_zemax(text: Text) -> Result<Goniometric, FormatError> {
     let table = azimuth.len() * radial.len();
     let mut values = Vec::new();
     let mut totals = Vec::new();
+    let mut readings = Readings::default();
+    let mut warnings = Vec::new();
     for block in blocks {
         tokens.keyword(block)?;
         tokens.keyword("DataBegin")?;
         for _ in 0..rotation.len() * incidence.len() {
             totals.push(total(&mut tokens)?);
-            tokens.numbers(
-                table,
-                &format!("{table} values, 1/sr, 0 or more"),
-                &NOT_NEGATIVE,
-                &mut values,
-            )?;
+            let expected = format!("{table} values, 1/sr, 0 or more");
+            tokens.readings(table, &expected, &mut readings, &mut values)?;
         }
         tokens.keyword("DataEnd")?;
     }
     if let Some(token) = tokens.next() {
-        return Err(tokens.unexpected(&token, "the end of the file after DataEnd"));
+        return Err(tokens.unexpected(&token, "the end of the file after DataEnd", remedy::MORE_BEHIND));
     }
+    text.judge(&readings, &mut warnings)?;
     let around = match fold {
         Fold::Mirror => Axis::bounded(radians(&azimuth)),
         _ => Axis::azimuth(radians(&azimuth), TAU),
@@ -129,7 +133,7 @@ pub(super) fn read_zemax(text: Text) -> Result<Goniometric, FormatError> {
         format: Format::Zemax,
         provenance,
         components: vec![component],
-        warnings: Vec::new(),
+        warnings,
     })
 }
 
@@ -158,13 +162,14 @@ pub(super) fn read_lighttools(text: Text) -> Result<Goniometric, FormatError> {
     tokens.keyword("DataBegin")?;
     let mut warnings = Vec::new();
     let mut blocks: Vec<Block> = Vec::new();
+    let mut readings = Readings::default();
     loop {
         let token = tokens.expect("'AOI' or 'DataEnd'")?;
         if token.is("DataEnd") {
             break;
         }
         if !token.is("AOI") {
-            return Err(tokens.unexpected(&token, "'AOI' or 'DataEnd'"));
+            return Err(tokens.unexpected(&token, "'AOI' or 'DataEnd'", remedy::SPELLING_OR_COUNT));
         }
         let incidence = tokens.number("an angle of incidence in degrees, 0..90", &(0.0..=90.0))?;
         tokens.keyword("POI")?;
@@ -186,12 +191,8 @@ pub(super) fn read_lighttools(text: Text) -> Result<Goniometric, FormatError> {
         total(&mut tokens)?;
         let mut values = Vec::new();
         let count = azimuth.len() * radial.len();
-        tokens.numbers(
-            count,
-            &format!("{count} values, 1/sr, 0 or more"),
-            &NOT_NEGATIVE,
-            &mut values,
-        )?;
+        let expected = format!("{count} values, 1/sr, 0 or more");
+        tokens.readings(count, &expected, &mut readings, &mut values)?;
         blocks.push(Block {
             incidence,
             side,
@@ -202,8 +203,9 @@ pub(super) fn read_lighttools(text: Text) -> Result<Goniometric, FormatError> {
         });
     }
     if let Some(token) = tokens.next() {
-        return Err(tokens.unexpected(&token, "the end of the file after DataEnd"));
+        return Err(tokens.unexpected(&token, "the end of the file after DataEnd", remedy::MORE_BEHIND));
     }
+    text.judge(&readings, &mut warnings)?;
     let mut components = Vec::new();
     for (side, scatter) in [Side::Front, Side::Back]
         .into_iter()
@@ -221,6 +223,7 @@ pub(super) fn read_lighttools(text: Text) -> Result<Goniometric, FormatError> {
                     text.path,
                     expected,
                     format!("{} nm", other.wavelength_nm),
+                    "write a file for each wavelength",
                 ));
             }
             chosen.sort_by(|a, b| {
@@ -240,7 +243,8 @@ pub(super) fn read_lighttools(text: Text) -> Result<Goniometric, FormatError> {
         }
     }
     if components.is_empty() {
-        return Err(FormatError::file(text.path, "at least one block AOI", "none"));
+        let remedy = "the file was exported without data: export it again";
+        return Err(FormatError::file(text.path, "at least one block AOI", "none", remedy));
     }
     if symmetry == "PlaneSymmetrical" {
         warnings.push("the file calls itself PlaneSymmetrical; azimuths it does not list are not filled in".into());
@@ -279,7 +283,8 @@ fn component(
             return Err(FormatError::file(
                 text.path,
                 expected,
-                quoted(&format!("{} blocks", group.len())),
+                format!("{} blocks", group.len()),
+                "remove the blocks that are there twice, or add those that are missing",
             ));
         }
         incidences.push(group[0].incidence);

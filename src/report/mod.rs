@@ -1,13 +1,12 @@
-//! Graphs, tables and provenance: pure functions of one [`ReportData`], and the folder they are written to.
+//! Graphs, tables and provenance: pure functions of one [`ReportData`].
 //!
-//! [`render`] turns a result into named files in memory; [`OutputFolder`] is prepared before a simulation starts and
-//! takes those files whole or not at all. Same data, same bytes.
+//! [`render`] turns a result into named files in memory; a [`crate::output::ReportFolder`] is prepared before a simulation starts
+//! and takes those files whole or not at all. Same data, same bytes.
 
 mod chart;
 mod graphs;
 mod json;
 mod ledger;
-mod output;
 mod result;
 mod summary;
 mod tables;
@@ -15,7 +14,6 @@ mod tables;
 pub use graphs::{Graph, graphs};
 pub use json::report_json;
 pub use ledger::{LedgerRange, ledger_ranges, ledger_table};
-pub use output::{OutputFolder, check_writable, write_whole};
 pub use result::{
     AskedEffort, Convention, EffortNote, EnergyRow, InputDigest, PathsPerBatch, Provenance, ReachedPrecision,
     ReportData, SampleNote, Table1Name, Table1Row,
@@ -23,8 +21,8 @@ pub use result::{
 pub use summary::{effort_line, summary};
 pub use tables::{curves_csv, energy_csv, table1_csv, table1_markdown};
 
+use crate::output::NamedFile;
 use rayon::prelude::*;
-use std::path::PathBuf;
 
 /// What can go wrong when a result is drawn or written.
 #[derive(Debug, thiserror::Error)]
@@ -35,23 +33,15 @@ pub enum ReportError {
     Csv(#[from] csv::Error),
     #[error("report.json could not be written")]
     Json(#[from] serde_json::Error),
-    #[error("{}: a file stands where a folder should be; name another folder or move the file", path.display())]
-    FileInTheWay { path: PathBuf },
-    #[error("{}: a folder stands where this file should be written; name another place or move the folder", path.display())]
-    FolderInTheWay { path: PathBuf },
-    #[error("{}: cannot be written; name a folder you may write to, or mend its permissions and free space", path.display())]
-    NotWritable {
-        path: PathBuf,
-        #[source]
-        cause: std::io::Error,
-    },
 }
 
-/// One file of a report, complete in memory.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NamedFile {
-    pub name: String,
-    pub bytes: Vec<u8>,
+/// Names of the tables of [`render`], and of its document.
+const TABLES: [&str; 5] = ["table1.csv", "table1.md", "curves.csv", "energy.csv", "report.json"];
+
+/// Names of the files that [`render`] makes of a result with so many incidences.
+pub fn file_names(incidences: usize) -> Vec<String> {
+    let graphs = (1..=2 * incidences).flat_map(|n| [format!("graph{n}.svg"), format!("graph{n}.png")]);
+    TABLES.into_iter().map(str::to_owned).chain(graphs).collect()
 }
 
 /// Every file of the report, tables first.
@@ -60,13 +50,15 @@ pub fn render(data: &ReportData) -> Result<Vec<NamedFile>, ReportError> {
         name: name.to_owned(),
         bytes,
     };
-    let mut files = vec![
-        file("table1.csv", table1_csv(data)?),
-        file("table1.md", table1_markdown(data).into_bytes()),
-        file("curves.csv", curves_csv(data)?),
-        file("energy.csv", energy_csv(data)?),
-        file("report.json", report_json(data)?.into_bytes()),
+    let contents = [
+        table1_csv(data)?,
+        table1_markdown(data).into_bytes(),
+        curves_csv(data)?,
+        energy_csv(data)?,
+        report_json(data)?.into_bytes(),
     ];
+    let tables = TABLES.into_iter().zip(contents);
+    let mut files: Vec<NamedFile> = tables.map(|(name, bytes)| file(name, bytes)).collect();
     let pictures: Result<Vec<[NamedFile; 2]>, ReportError> = graphs(data)
         .par_iter()
         .map(|graph| {

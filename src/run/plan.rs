@@ -5,6 +5,7 @@ use crate::compare::{CompareError, Geometry};
 use crate::fault::{self, Fault};
 use crate::formats::FormatError;
 use crate::optics::{Interference, Medium, MediumSpec, OpticsError};
+use crate::output::OutputError;
 use crate::report::{InputDigest, ReportError};
 use crate::rig::{PixelSamples, Rig, RigError};
 use crate::run::ShardError;
@@ -64,6 +65,8 @@ pub enum RunError {
     Compare(#[from] CompareError),
     #[error(transparent)]
     Report(#[from] ReportError),
+    #[error(transparent)]
+    Output(#[from] OutputError),
     #[error(transparent)]
     Artefact(#[from] ArtefactError),
     /// A change of absorption that cannot be made.

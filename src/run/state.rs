@@ -1,11 +1,11 @@
 use super::{Batch, Plan, RunError, Simulator};
 use crate::artefact::{ArrayInfo, ElementType, Identity, Kind, Reader, Writer};
-use crate::report::{InputDigest, ReportError};
+use crate::output;
+use crate::report::InputDigest;
 use crate::study::Study;
 use crate::transport::Ledger;
 use crate::woven::ClothLedger;
 use serde::Serialize;
-use std::io;
 use std::path::{Path, PathBuf};
 
 /// All that decides about the bits of a batch, beside seed and program version.
@@ -19,26 +19,27 @@ struct Settings<'a> {
 /// The file from which an interrupted simulation goes on: its batches so far, bit for bit.
 #[derive(Debug)]
 pub struct StateFile {
-    path: PathBuf,
+    /// `None` for a run that leaves no state.
+    path: Option<PathBuf>,
     identity: Identity,
 }
 
 impl StateFile {
-    /// Nothing is read or written yet. `command` is the subcommand, since each measures other geometries.
-    pub fn new(path: impl Into<PathBuf>, command: &str, plan: &Plan) -> Result<Self, RunError> {
+    /// Nothing is read or written yet; nothing ever is where there is no place for it. `command` is the subcommand, since each measures other geometries.
+    pub fn new(path: Option<PathBuf>, command: &str, plan: &Plan) -> Result<Self, RunError> {
         let settings = Settings {
             command,
             study: &plan.study,
             inputs: &plan.inputs,
         };
         Ok(Self {
-            path: path.into(),
+            path,
             identity: Identity::new(plan.study.seed, &settings)?,
         })
     }
 
-    pub fn path(&self) -> &Path {
-        &self.path
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
     }
 
     /// The batches kept there, from number 0 on; `None` where there is no file.
@@ -46,7 +47,8 @@ impl StateFile {
     /// # Errors
     /// A file that is damaged, or of another command, study, seed or program version. It stays as it is.
     pub fn load(&self, simulator: &Simulator) -> Result<Option<Vec<Batch>>, RunError> {
-        let Some(mut file) = Reader::open_if_there(&self.path, Kind::State)? else {
+        let Some(path) = &self.path else { return Ok(None) };
+        let Some(mut file) = Reader::open_if_there(path, Kind::State)? else {
             return Ok(None);
         };
         file.expect(&self.identity)?;
@@ -74,9 +76,10 @@ impl StateFile {
 
     /// Replaces the file, whole or not at all.
     pub(super) fn save(&self, simulator: &Simulator, batches: &[Batch]) -> Result<(), RunError> {
+        let Some(path) = &self.path else { return Ok(()) };
         let infos = arrays(simulator, batches.len());
         let header = serde_json::json!({ "batches": batches.len() });
-        let mut file = Writer::create(&self.path, Kind::State, &self.identity, &header, &infos)?;
+        let mut file = Writer::create(path, Kind::State, &self.identity, &header, &infos)?;
         let ledgers = batches.iter().flat_map(|batch| &batch.ledgers);
         file.append(&infos[0].name, ledgers.flat_map(Ledger::fractions))?;
         let diffuse = batches.iter().flat_map(|batch| batch.diffuse.iter().flatten());
@@ -86,47 +89,10 @@ impl StateFile {
         Ok(file.finish()?)
     }
 
-    /// Removes the file once the results are written, and what killed runs left of theirs.
+    /// Removes the file once the results are written.
     pub fn remove(self) -> Result<(), RunError> {
-        remove_state(&self.path)
+        Ok(self.path.map_or(Ok(()), |path| output::remove(&path))?)
     }
-}
-
-/// Removes a state once the results are written, and what killed runs left of theirs.
-pub fn remove_state(path: &Path) -> Result<(), RunError> {
-    let remove = |path: &Path| match std::fs::remove_file(path) {
-        Err(cause) if cause.kind() != io::ErrorKind::NotFound => Err(ReportError::NotWritable {
-            path: path.to_owned(),
-            cause,
-        }),
-        _ => Ok(()),
-    };
-    remove(path)?;
-    for leftover in leftovers(path) {
-        remove(&leftover)?;
-    }
-    Ok(())
-}
-
-/// Half-written files beside this one: its name, process id and number, `.partial`.
-fn leftovers(path: &Path) -> Vec<PathBuf> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let is_leftover = |name: &str| {
-        let own = path.file_name().and_then(|own| own.to_str());
-        let numbers = own
-            .and_then(|own| name.strip_prefix(own)?.strip_prefix('.')?.strip_suffix(".partial"))
-            .and_then(|numbers| numbers.split_once('-'));
-        let is_number = |digits: &str| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
-        numbers.is_some_and(|(process, n)| is_number(process) && is_number(n))
-    };
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    entries
-        .filter(|entry| entry.file_name().to_str().is_some_and(is_leftover))
-        .map(|entry| entry.path())
-        .collect()
 }
 
 fn fractions<const N: usize>(values: &[f64]) -> impl Iterator<Item = [f64; N]> {

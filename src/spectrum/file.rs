@@ -3,16 +3,15 @@ use std::io::Read;
 use std::ops::{Bound, RangeBounds};
 use std::path::Path;
 
-use super::cgats::{Cgats, is_cgats};
-use super::csv_table::text_of;
 use super::tables::ObserverTables;
-use super::{CsvTable, Samples, Spectrum, SpectrumError, WavelengthGrid};
+use super::{CsvTable, Samples, Spectrum, SpectrumError, WavelengthGrid, plausibility};
+use crate::text::{Cgats, band_nm, is_cgats, lines_of};
 
 /// Largest file of spectra.
 const MOST_BYTES: u64 = 8 << 20;
 
-/// Reads one spectrum, such as a dye or an illuminant, whose values are all `allowed`: CSV with the columns
-/// `wavelength_nm,value`, or CGATS-like text with one spectrum as in [`read_spectra`].
+/// Reads one spectrum, such as a dye or an illuminant, whose values are all `allowed`: a file as of [`read_spectra`] with one
+/// spectrum, in CSV the columns `wavelength_nm,value`.
 ///
 /// # Errors
 /// The first place where the file departs from that.
@@ -25,16 +24,11 @@ pub fn read_spectrum(path: &Path, allowed: impl RangeBounds<f64>) -> Result<Spec
 /// # Errors
 /// As [`read_spectrum`].
 pub fn parse_spectrum(name: &str, bytes: &[u8], allowed: impl RangeBounds<f64>) -> Result<Spectrum, SpectrumError> {
-    let source = Source::parse(name, bytes)?;
+    let (source, _) = Source::parse(name, bytes)?;
     let refuse = |expected: &str, found: String| {
         let remedy = "keep one column of values, value, beside wavelength_nm, or one set";
         Err(source.table().header_error(expected, &found, Some(remedy)).into())
     };
-    if let Source::Csv(csv) = &source
-        && csv.columns() != ["wavelength_nm", "value"]
-    {
-        return refuse("the columns wavelength_nm,value", csv.columns().join(","));
-    }
     let mut spectra = source.spectra(&Values::of(&allowed))?;
     if spectra.len() != 1 {
         return refuse("one spectrum", spectra.len().to_string());
@@ -52,7 +46,7 @@ pub fn parse_spectrum(name: &str, bytes: &[u8], allowed: impl RangeBounds<f64>) 
 /// # Errors
 /// The first place where the file departs from that.
 pub fn parse_observer(name: &str, bytes: &[u8]) -> Result<ObserverTables, SpectrumError> {
-    let source = Source::parse(name, bytes)?;
+    let (source, _) = Source::parse(name, bytes)?;
     let mut spectra = source.spectra(&Values::of(&(0.0..)))?;
     spectra.sort_by_key(|(title, _)| title.to_ascii_lowercase());
     let titles: Vec<&str> = spectra.iter().map(|(title, _)| title.as_str()).collect();
@@ -71,25 +65,66 @@ pub fn parse_observer(name: &str, bytes: &[u8]) -> Result<ObserverTables, Spectr
     }
 }
 
-/// Reads any number of named spectra on common wavelengths, values of any sign and size.
-///
-/// CSV: columns `wavelength_nm,<name>,<name>,…` with a row a wavelength, or a column `name` and columns titled with a
-/// wavelength in nm (`390`, `R390`) with a row a spectrum; in the second, other columns are notes and skipped.
-/// CGATS-like text: fields such as `SPEC_390`, `SPECTRAL_NM390` or `nm390` with a set a spectrum, or a field `WAVELENGTH` or
-/// `SPECTRAL_NM` with a set a wavelength; values are over `SPECTRAL_NORM` where that is stated.
+/// Spectra on common wavelengths and what their file says beside them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpectraFile {
+    /// By name; one at least.
+    pub spectra: Vec<(String, Samples)>,
+    /// What was read in another way than its plain meaning.
+    pub notices: Vec<String>,
+    /// Key words of CGATS text that state an illuminant, an observer or a geometry, with their values.
+    pub stated: Vec<(String, String)>,
+}
+
+impl SpectraFile {
+    /// Reads any number of named spectra on common wavelengths, values of any sign and size.
+    ///
+    /// CSV: columns `wavelength_nm,<name>,<name>,…` with a row a wavelength, or columns titled with a wavelength in nm (`390`,
+    /// `R390`, `390 nm`) with a row a spectrum; in the second a column `name` names them, and other columns are notes and skipped.
+    /// CGATS-like text: fields such as `SPEC_390`, `SPECTRAL_NM390`, `390_NM` or `nm390` with a set a spectrum, or a field
+    /// `WAVELENGTH` or `SPECTRAL_NM` with a set a wavelength; values are over `SPECTRAL_NORM` where that is stated.
+    ///
+    /// # Errors
+    /// The first place where the file departs from its layout; a file over 8 MiB.
+    pub fn read(path: &Path) -> Result<Self, SpectrumError> {
+        Self::parse(&path.display().to_string(), &bytes_of(path)?)
+    }
+
+    /// [`SpectraFile::read`] of the bytes of a file; `name` is what errors call them.
+    ///
+    /// # Errors
+    /// As [`SpectraFile::read`].
+    pub fn parse(name: &str, bytes: &[u8]) -> Result<Self, SpectrumError> {
+        let (source, encoding) = Source::parse(name, bytes)?;
+        let spectra = source.spectra(&Values::of(&..))?;
+        let mut notices = source.table().notices().to_vec();
+        notices.extend(encoding);
+        let stated = match &source {
+            Source::Csv(_) => Vec::new(),
+            Source::Cgats(cgats) => cgats.stated(),
+        };
+        Ok(Self {
+            spectra,
+            notices,
+            stated,
+        })
+    }
+}
+
+/// The spectra of [`SpectraFile::read`] alone.
 ///
 /// # Errors
-/// The first place where the file departs from its layout; a file over 8 MiB.
+/// As [`SpectraFile::read`].
 pub fn read_spectra(path: &Path) -> Result<Vec<(String, Samples)>, SpectrumError> {
-    parse_spectra(&path.display().to_string(), &bytes_of(path)?)
+    Ok(SpectraFile::read(path)?.spectra)
 }
 
 /// [`read_spectra`] of the bytes of a file; `name` is what errors call them.
 ///
 /// # Errors
-/// As [`read_spectra`].
+/// As [`SpectraFile::read`].
 pub fn parse_spectra(name: &str, bytes: &[u8]) -> Result<Vec<(String, Samples)>, SpectrumError> {
-    Source::parse(name, bytes)?.spectra(&Values::of(&..))
+    Ok(SpectraFile::parse(name, bytes)?.spectra)
 }
 
 /// What values a file may hold, and what they are over.
@@ -134,7 +169,8 @@ impl Values {
         if (self.low, self.high).contains(&value) {
             return Ok(value);
         }
-        Err(table.cell_error(row, column, &self.expected, None).into())
+        let remedy = plausibility::remedy_outside(value, &(self.low, self.high));
+        Err(table.cell_error(row, column, &self.expected, remedy).into())
     }
 }
 
@@ -146,12 +182,14 @@ enum Source {
 }
 
 impl Source {
-    fn parse(name: &str, bytes: &[u8]) -> Result<Self, SpectrumError> {
-        let text = text_of(name, bytes)?;
-        Ok(match is_cgats(&text) {
+    /// And a notice of the file's encoding.
+    fn parse(name: &str, bytes: &[u8]) -> Result<(Self, Option<String>), SpectrumError> {
+        let (text, encoding) = lines_of(name, bytes)?;
+        let source = match is_cgats(&text) {
             true => Self::Cgats(Cgats::parse(name, &text)?),
-            false => Self::Csv(CsvTable::parse(name, bytes)?),
-        })
+            false => Self::Csv(CsvTable::parse_text(name, &text)?),
+        };
+        Ok((source, encoding))
     }
 
     fn table(&self) -> &CsvTable {
@@ -167,12 +205,18 @@ impl Source {
             Self::Csv(table) => table,
             Self::Cgats(cgats) => return of_cgats(cgats, values),
         };
-        match (table.column("wavelength_nm"), table.column("name")) {
-            (Some(wavelengths), _) => by_wavelength(table, wavelengths, values),
-            (None, Some(names)) => by_set(table, Some(names), &bands(table)?, values),
-            (None, None) => {
-                let expected = "a column wavelength_nm, or a column name and columns titled with wavelengths in nm";
-                Err(table.header_error(expected, &table.columns().join(","), None).into())
+        let names = table.column("name");
+        let titled = || table.columns().iter().filter(|title| band_nm(title).is_some()).count();
+        match table.column("wavelength_nm") {
+            Some(wavelengths) => by_wavelength(table, wavelengths, values),
+            // Without names, two numbers may as well be the first row of a table that has no header.
+            None if names.is_some() || titled() >= 3 => by_set(table, names, &bands(table)?, values),
+            None => {
+                let expected = "a column wavelength_nm, or columns titled with wavelengths in nm";
+                let found = table.columns().join(",");
+                let remedy = "name the columns in the first line, as in wavelength_nm,value, with commas, semicolons or tabs \
+                              between them, and give wavelengths in nm";
+                Err(table.header_error(expected, &found, Some(remedy)).into())
             }
         }
     }
@@ -224,6 +268,14 @@ pub(super) fn by_wavelength(table: &CsvTable, wavelengths: usize, values: &Value
     let mut nm = Vec::with_capacity(table.len());
     for row in 0..table.len() {
         let found = table.number(row, wavelengths, "a wavelength in nm")?;
+        // Infrared of a wide table is none of its first.
+        if nm.is_empty()
+            && let Some(remedy) = plausibility::wavelength_unit(found)
+        {
+            return Err(table
+                .cell_error(row, wavelengths, "a wavelength in nm", Some(remedy))
+                .into());
+        }
         let previous = nm.last().copied().unwrap_or(0.0);
         if found <= previous {
             let expected = format!("a wavelength above {previous} nm");
@@ -263,27 +315,14 @@ fn bands(table: &CsvTable) -> Result<Vec<(usize, f64)>, SpectrumError> {
         let expected = "columns titled with ascending wavelengths in nm, such as R390,R400 or SPEC_390 SPEC_400";
         return Err(table.header_error(expected, &table.columns().join(","), None).into());
     }
+    if let Some((column, remedy)) = bands
+        .first()
+        .and_then(|b| Some((b.0, plausibility::wavelength_unit(b.1)?)))
+    {
+        let found = &table.columns()[column];
+        return Err(table.header_error("wavelengths in nm", found, Some(remedy)).into());
+    }
     Ok(bands)
-}
-
-/// The wavelength that a title such as `R390`, `SPEC_390`, `SPECTRAL_NM390` or `nm390` names.
-fn band_nm(title: &str) -> Option<f64> {
-    let digits = title.find(|c: char| c.is_ascii_digit())?;
-    let (prefix, number) = title.split_at(digits);
-    let known = [
-        "",
-        "R",
-        "R_",
-        "NM",
-        "NM_",
-        "SPEC_",
-        "SPECTRAL_",
-        "SPECTRAL_NM",
-        "SPECTRAL_NM_",
-    ];
-    let plain = number.bytes().all(|b| b.is_ascii_digit() || b == b'.');
-    let known = plain && known.iter().any(|k| k.eq_ignore_ascii_case(prefix));
-    known.then(|| number.parse().ok()).flatten().filter(|&nm| nm > 0.0)
 }
 
 /// A spectrum a row, named by a column or by its number.

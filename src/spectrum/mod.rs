@@ -1,22 +1,22 @@
 //! Wavelength grids, spectra (functions of wavelength), samples (values on a grid) and the tables they come from.
 
-mod cgats;
-mod csv_table;
 mod file;
 mod function;
 mod grid;
 mod naming;
+pub mod plausibility;
 mod samples;
 pub mod tables;
 
-pub use csv_table::CsvError;
-pub(crate) use csv_table::CsvTable;
 pub(crate) use file::bytes_of;
-pub use file::{parse_observer, parse_spectra, parse_spectrum, read_spectra, read_spectrum};
+pub use file::{SpectraFile, parse_observer, parse_spectra, parse_spectrum, read_spectra, read_spectrum};
 pub use function::Spectrum;
 pub use grid::WavelengthGrid;
 pub use naming::UnknownName;
 pub use samples::Samples;
+
+pub use crate::text::CsvError;
+pub(crate) use crate::text::CsvTable;
 
 /// What is wrong with a grid, a spectrum or a table of them.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -57,6 +57,12 @@ pub fn dye(name: &str) -> Result<&'static Spectrum, SpectrumError> {
     find("dye", &DYES, name)
 }
 
+/// Names of [`dye`].
+pub fn dye_names() -> Vec<&'static str> {
+    let all = DYES.as_ref().map(Vec::as_slice).unwrap_or_default();
+    all.iter().map(|(name, _)| name.as_str()).collect()
+}
+
 /// Measured reflectance 0..1 of a fabric (`usgs-nylon-red`, `usgs-cotton-white`), 390..780 nm.
 pub fn reflectance(name: &str) -> Result<&'static Spectrum, SpectrumError> {
     find("reflectance", &REFLECTANCES, name)

@@ -1,6 +1,6 @@
 //! Sections and keys of a WIF file.
 
-use crate::formats::{FormatError, Text, quoted};
+use crate::formats::{FormatError, Text, quoted, remedy};
 
 /// `key=value` and where the key begins.
 pub(super) struct Entry<'a> {
@@ -19,12 +19,41 @@ pub(super) struct Section<'a> {
 pub(super) struct Ini<'a> {
     pub(super) text: Text<'a>,
     sections: Vec<Section<'a>>,
+    /// What was passed over.
+    pub(super) warnings: Vec<String>,
+}
+
+/// Sections whose lines are read; others, private ones among them, may hold anything.
+const READ: [&str; 18] = [
+    "WIF",
+    "CONTENTS",
+    "TEXT",
+    "WEAVING",
+    "WARP",
+    "WEFT",
+    "COLOR PALETTE",
+    "COLOR TABLE",
+    "THREADING",
+    "TIEUP",
+    "TREADLING",
+    "LIFTPLAN",
+    "WARP COLORS",
+    "WEFT COLORS",
+    "WARP SPACING",
+    "WEFT SPACING",
+    "WARP THICKNESS",
+    "WEFT THICKNESS",
+];
+
+fn is_read(section: &str) -> bool {
+    READ.contains(&section)
 }
 
 impl<'a> Ini<'a> {
-    pub(super) fn parse(path: &'a str, bytes: &'a [u8]) -> Result<Self, FormatError> {
-        let text = Text::new(path, bytes)?;
+    pub(super) fn parse(path: &'a str, text: &'a str) -> Result<Self, FormatError> {
+        let text = Text::new(path, text);
         let mut sections: Vec<Section> = Vec::new();
+        let mut before = 0usize;
         let start = text.text.as_ptr() as usize;
         for line in text.text.split(['\n', '\r']).map(str::trim) {
             let at = line.as_ptr() as usize - start;
@@ -32,29 +61,57 @@ impl<'a> Ini<'a> {
                 continue;
             }
             if let Some(name) = line.strip_prefix('[') {
-                let name = name
-                    .strip_suffix(']')
-                    .ok_or_else(|| text.error(at, "[SECTION]", quoted(line)))?;
+                let name = name.split_once(']').map(|(name, _)| name).ok_or_else(|| {
+                    text.error(
+                        at,
+                        "[SECTION]",
+                        quoted(line),
+                        "close the bracket, or begin the line with ';'",
+                    )
+                })?;
                 let name = name.trim().to_ascii_uppercase();
-                if sections.iter().any(|s| s.name == name) {
-                    return Err(text.error(at, "each section once", quoted(line)));
+                if is_read(&name) && sections.iter().any(|s| s.name == name) {
+                    return Err(text.error(at, "each section once", quoted(line), remedy::ONE_OF_TWO));
                 }
                 let entries = Vec::new();
                 sections.push(Section { name, entries, at });
                 continue;
             }
-            let (key, value) = line
-                .split_once('=')
-                .ok_or_else(|| text.error(at, "key=value", quoted(line)))?;
-            let section = sections.last_mut();
-            let section = section.ok_or_else(|| text.error(at, "a section before the first key", quoted(line)))?;
+            let Some(section) = sections.last_mut() else {
+                before += 1;
+                continue;
+            };
+            if !is_read(&section.name) {
+                continue;
+            }
+            let (key, value) = line.split_once('=').ok_or_else(|| {
+                text.error(
+                    at,
+                    "key=value",
+                    quoted(line),
+                    "begin the line with ';' where it is a comment",
+                )
+            })?;
+            // In words of a title a semicolon is one; elsewhere it begins a comment.
+            let value = match section.name.as_str() {
+                "TEXT" => value,
+                _ => value.split(';').next().unwrap_or_default(),
+            };
             section.entries.push(Entry {
                 key: key.trim().to_ascii_uppercase(),
                 value: value.trim(),
                 at,
             });
         }
-        Ok(Self { text, sections })
+        let mut warnings = Vec::new();
+        if before > 0 {
+            warnings.push(format!("{before} lines before the first section are passed over"));
+        }
+        Ok(Self {
+            text,
+            sections,
+            warnings,
+        })
     }
 
     /// A section by its name in upper case.
@@ -74,8 +131,9 @@ impl<'a> Ini<'a> {
         };
         let number = entry.value.parse::<f64>().ok().filter(|v| (0.0..1e9).contains(v));
         let number = number.ok_or_else(|| {
-            self.text
-                .error(entry.at, format!("{key} and a number, 0 or more"), quoted(entry.value))
+            let expected = format!("{key} and a number, 0 or more");
+            let remedy = "write a length with a point as decimal mark, or leave the line out";
+            self.text.error(entry.at, expected, quoted(entry.value), remedy)
         })?;
         Ok(Some(number))
     }
@@ -86,8 +144,9 @@ impl<'a> Ini<'a> {
         };
         let count = entry.value.parse().ok();
         let count = count.ok_or_else(|| {
-            self.text
-                .error(entry.at, format!("{key} and a whole number"), quoted(entry.value))
+            let expected = format!("{key} and a whole number");
+            let remedy = "write how many there are, or leave the line out";
+            self.text.error(entry.at, expected, quoted(entry.value), remedy)
         })?;
         Ok(Some(count))
     }

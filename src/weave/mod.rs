@@ -82,9 +82,10 @@ impl WeaveDraft {
                 &name,
                 "a weave draft (WIF)",
                 format!("a file of the format {format}"),
+                "look at it with `specval inspect`, or export the draft as WIF",
             ));
         }
-        wif::parse(&name, &bytes)
+        Self::parse(&name, &bytes)
     }
 
     /// Reads the bytes of a WIF file, called `path` in errors.
@@ -92,6 +93,9 @@ impl WeaveDraft {
     /// # Errors
     /// As [`Self::read`].
     pub fn parse(path: &str, bytes: &[u8]) -> Result<Self, FormatError> {
-        wif::parse(path, bytes)
+        let decoded = crate::formats::decode(path, bytes)?;
+        let mut draft = wif::parse(path, &decoded.text)?;
+        draft.warnings.extend(decoded.notice);
+        Ok(draft)
     }
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::ini::{Ini, Section};
 use super::{Thread, WeaveDraft};
-use crate::formats::{FormatError, quoted};
+use crate::formats::{FormatError, quoted, remedy};
 
 /// Crossings of warp and weft a draft may have.
 const CROSSINGS: usize = 4_000_000;
@@ -12,12 +12,13 @@ const CROSSINGS: usize = 4_000_000;
 /// Numbers by number, such as the shafts of each thread; all counted from 1.
 type Lists = BTreeMap<usize, BTreeSet<usize>>;
 
-pub(super) fn parse(path: &str, bytes: &[u8]) -> Result<WeaveDraft, FormatError> {
-    let ini = Ini::parse(path, bytes)?;
-    let mut warnings = Vec::new();
+pub(super) fn parse(path: &str, text: &str) -> Result<WeaveDraft, FormatError> {
+    let ini = Ini::parse(path, text)?;
+    let mut warnings = ini.warnings.clone();
     if ini.section("WIF").is_none() {
         warnings.push("the file has no section [WIF], which the format requires".to_owned());
     }
+    missing_contents(&ini, &mut warnings);
     let threading = required(&ini, "THREADING")?;
     let lift_plan = ini.section("LIFTPLAN");
     let treadled = ini.section("TIEUP").zip(ini.section("TREADLING"));
@@ -31,7 +32,8 @@ pub(super) fn parse(path: &str, bytes: &[u8]) -> Result<WeaveDraft, FormatError>
         (None, Some(plan)) => plan,
         (None, None) => {
             let expected = "sections [TIEUP] and [TREADLING], or [LIFTPLAN]";
-            return Err(FormatError::file(path, expected, "neither"));
+            let remedy = "export the draft with its tie-up and treadling, or with its lift plan";
+            return Err(FormatError::file(path, expected, "neither", remedy));
         }
     };
     let mut from_zero = |section: &Section, what: &str| -> bool {
@@ -70,7 +72,51 @@ pub(super) fn parse(path: &str, bytes: &[u8]) -> Result<WeaveDraft, FormatError>
     let wefts = thread_count(&ini, "WEFT", &by_pick, picks.at)?;
     if warps.checked_mul(wefts).is_none_or(|crossings| crossings > CROSSINGS) {
         let found = format!("{warps} warps and {wefts} wefts");
-        return Err(FormatError::file(path, format!("at most {CROSSINGS} crossings"), found));
+        let remedy = "export one repeat of the draft, or correct Threads";
+        return Err(FormatError::file(
+            path,
+            format!("at most {CROSSINGS} crossings"),
+            found,
+            remedy,
+        ));
+    }
+    let idle = |lists: &Lists, count: usize| -> Vec<usize> {
+        (1..=count)
+            .filter(|number| lists.get(number).is_none_or(BTreeSet::is_empty))
+            .collect()
+    };
+    let idle_picks = idle(&by_pick, wefts);
+    if idle_picks.len() == wefts {
+        let remedy = "fill in the treadling, the tie-up or the lift plan: the draft may be unfinished";
+        return Err(ini
+            .text
+            .error(picks.at, "picks that lift shafts", "none that does", remedy));
+    }
+    let idle_warps = idle(&by_warp, warps);
+    if idle_warps.len() == warps {
+        let remedy = "fill in the threading: the draft may be unfinished";
+        return Err(ini
+            .text
+            .error(threading.at, "warp threads on shafts", "none that is", remedy));
+    }
+    for (numbers, words) in [
+        (
+            idle_picks,
+            "lift no shaft, so that nothing binds them: check treadling and tie-up, or the lift plan",
+        ),
+        (
+            idle_warps,
+            "are on no shaft, so that nothing binds them: check the threading",
+        ),
+    ] {
+        let what = if words.starts_with("lift") {
+            "picks"
+        } else {
+            "warp threads"
+        };
+        if !numbers.is_empty() {
+            warnings.push(format!("{} {what} ({}) {words}", numbers.len(), listed(&numbers)));
+        }
     }
     let rising = rising(&ini, &mut warnings)?;
     let none = BTreeSet::new();
@@ -91,15 +137,55 @@ pub(super) fn parse(path: &str, bytes: &[u8]) -> Result<WeaveDraft, FormatError>
     Ok(WeaveDraft {
         title,
         warp_on_top,
-        warps: threads(&ini, "WARP", warps, threads_from_zero, &palette)?,
-        wefts: threads(&ini, "WEFT", wefts, picks_from_zero, &palette)?,
+        warps: threads(&ini, "WARP", warps, threads_from_zero, &palette, &mut warnings)?,
+        wefts: threads(&ini, "WEFT", wefts, picks_from_zero, &palette, &mut warnings)?,
         warnings,
     })
 }
 
 fn required<'i, 'a>(ini: &'i Ini<'a>, name: &str) -> Result<&'i Section<'a>, FormatError> {
     let section = ini.section(name);
-    section.ok_or_else(|| FormatError::file(ini.text.path, format!("a section [{name}]"), "none"))
+    section.ok_or_else(|| {
+        let remedy = "export the draft with it, or copy the file again: it may be cut short";
+        FormatError::file(ini.text.path, format!("a section [{name}]"), "none", remedy)
+    })
+}
+
+/// Sections that [CONTENTS] promises and the file does not have.
+fn missing_contents(ini: &Ini, warnings: &mut Vec<String>) {
+    let contents = ini
+        .section("CONTENTS")
+        .map(|s| s.entries.as_slice())
+        .unwrap_or_default();
+    let promised = contents.iter().filter(|entry| is_true(entry.value) == Some(true));
+    let missing: Vec<String> = promised
+        .filter(|entry| ini.section(&entry.key).is_none())
+        .map(|entry| format!("[{}]", entry.key))
+        .collect();
+    if !missing.is_empty() {
+        warnings.push(format!(
+            "[CONTENTS] promises {}, and the file has none: it may be cut short; export it again",
+            missing.join(", ")
+        ));
+    }
+}
+
+/// The first numbers of a list, as people write them.
+fn listed(numbers: &[usize]) -> String {
+    const SHOWN: usize = 8;
+    let mut words: Vec<String> = numbers.iter().take(SHOWN).map(usize::to_string).collect();
+    if numbers.len() > SHOWN {
+        words.push("…".into());
+    }
+    words.join(", ")
+}
+
+fn is_true(word: &str) -> Option<bool> {
+    match word.to_ascii_lowercase().as_str() {
+        "true" | "on" | "yes" | "1" => Some(true),
+        "false" | "off" | "no" | "0" => Some(false),
+        _ => None,
+    }
 }
 
 /// Lists of numbers by a whole number; 0 and nothing stand for none, unless numbers count from 0.
@@ -112,7 +198,10 @@ fn numbers(
 ) -> Result<Lists, FormatError> {
     let mut lists = Lists::new();
     for entry in &section.entries {
-        let refuse = |expected: String, found: &str| ini.text.error(entry.at, expected, quoted(found));
+        let refuse = |expected: String, found: &str| {
+            let remedy = "write number=number, with commas between several";
+            ini.text.error(entry.at, expected, quoted(found), remedy)
+        };
         let key: usize = entry
             .key
             .parse()
@@ -124,14 +213,18 @@ fn numbers(
                 .map_err(|_| refuse(format!("the number of a {what}"), word))?;
             let number = number.saturating_add(usize::from(from_zero));
             if most.is_some_and(|most| number > most) {
-                return Err(refuse(format!("a {what} of at most the number in [WEAVING]"), word));
+                let expected = format!("a {what} of at most the number in [WEAVING]");
+                let remedy = format!("correct the line, or the number of {what}s in [WEAVING]");
+                return Err(ini.text.error(entry.at, expected, quoted(word), remedy));
             }
             if number > 0 {
                 list.insert(number);
             }
         }
         if lists.insert(key, list).is_some() {
-            return Err(refuse("each number once".into(), &entry.key));
+            return Err(ini
+                .text
+                .error(entry.at, "each number once", quoted(&entry.key), remedy::ONE_OF_TWO));
         }
     }
     Ok(lists)
@@ -152,15 +245,16 @@ fn thread_count(ini: &Ini, section: &str, listed: &Lists, at: usize) -> Result<u
     match ini.count(section, "THREADS")? {
         Some(stated) if stated < highest => {
             let found = format!("thread {highest}");
-            Err(ini
-                .text
-                .error(at, format!("the {stated} threads of [{section}] and no more"), found))
+            let expected = format!("the {stated} threads of [{section}] and no more");
+            let remedy = format!("correct Threads in [{section}], or remove what is too many");
+            Err(ini.text.error(at, expected, found, remedy))
         }
         Some(stated) if stated > 0 => Ok(stated),
         _ if highest > 0 => Ok(highest),
-        _ => Err(ini
-            .text
-            .error(at, format!("threads of the {}", section.to_lowercase()), "none")),
+        _ => {
+            let expected = format!("threads of the {}", section.to_lowercase());
+            Err(ini.text.error(at, expected, "none", "list them as number=number"))
+        }
     }
 }
 
@@ -169,21 +263,21 @@ fn rising(ini: &Ini, warnings: &mut Vec<String>) -> Result<bool, FormatError> {
         warnings.push("the file does not say whether the shed rises: taken as rising".into());
         return Ok(true);
     };
-    match entry.value.to_ascii_lowercase().as_str() {
-        "true" | "on" | "yes" | "1" => Ok(true),
-        "false" | "off" | "no" | "0" => Ok(false),
-        _ => Err(ini
-            .text
-            .error(entry.at, "Rising Shed true or false", quoted(entry.value))),
-    }
+    is_true(entry.value).ok_or_else(|| {
+        let remedy = "write true where a lifted shaft brings its warp threads to the top";
+        ini.text
+            .error(entry.at, "Rising Shed true or false", quoted(entry.value), remedy)
+    })
 }
 
 /// Whole numbers between commas.
 fn whole(ini: &Ini, at: usize, list: &str) -> Result<Vec<i64>, FormatError> {
     let words = list.split(',').map(str::trim);
     let numbers = words.map(|w| {
-        w.parse()
-            .map_err(|_| ini.text.error(at, "whole numbers between commas", quoted(w)))
+        w.parse().map_err(|_| {
+            let remedy = "write whole numbers, or remove the line: colours are not needed";
+            ini.text.error(at, "whole numbers between commas", quoted(w), remedy)
+        })
     });
     numbers.collect()
 }
@@ -207,7 +301,10 @@ fn palette(ini: &Ini) -> Result<Palette, FormatError> {
         None => [0.0, 255.0],
         Some(entry) => match whole(ini, entry.at, entry.value)?[..] {
             [low, high] if low < high => [low as f64, high as f64],
-            _ => return Err(ini.text.error(entry.at, "Range=low,high", quoted(entry.value))),
+            _ => {
+                let remedy = "write the least and the greatest number of a colour, such as 0,255";
+                return Err(ini.text.error(entry.at, "Range=low,high", quoted(entry.value), remedy));
+            }
         },
     };
     let table = ini.section("COLOR TABLE");
@@ -219,11 +316,13 @@ fn palette(ini: &Ini) -> Result<Palette, FormatError> {
     for entry in table.map(|t| t.entries.as_slice()).unwrap_or_default() {
         let key = entry.key.parse::<i64>();
         let key = key.map_err(|_| {
+            let remedy = "number the colours, from 1 on";
             ini.text
-                .error(entry.at, "a whole number before '='", quoted(&entry.key))
+                .error(entry.at, "a whole number before '='", quoted(&entry.key), remedy)
         })?;
         let [r, g, b] = whole(ini, entry.at, entry.value)?[..] else {
-            return Err(ini.text.error(entry.at, "red,green,blue", quoted(entry.value)));
+            let remedy = "write the three numbers, or remove the line: colours are not needed";
+            return Err(ini.text.error(entry.at, "red,green,blue", quoted(entry.value), remedy));
         };
         let colour = palette.scaled([r, g, b]);
         palette.colours.insert(key, colour);
@@ -237,6 +336,7 @@ fn threads(
     count: usize,
     from_zero: bool,
     palette: &Palette,
+    warnings: &mut Vec<String>,
 ) -> Result<Vec<Thread>, FormatError> {
     let unit_mm = match ini.value(section, "UNITS") {
         None => None,
@@ -245,9 +345,9 @@ fn threads(
             "inches" => 25.4,
             "centimeters" => 10.0,
             _ => {
-                return Err(ini
-                    .text
-                    .error(entry.at, "Units Decipoints, Inches or Centimeters", quoted(entry.value)));
+                let expected = "Units Decipoints, Inches or Centimeters";
+                let remedy = "write one of these, or remove the line: lengths are then not known";
+                return Err(ini.text.error(entry.at, expected, quoted(entry.value), remedy));
             }
         }),
     };
@@ -257,9 +357,19 @@ fn threads(
             .zip(unit_mm)
             .map(|(length, unit)| length * unit))
     };
+    // Colours and lengths are information: what has no meaning there is left out, and said once.
+    let mut unknown_colours = Vec::new();
+    let mut unknown_threads = Vec::new();
+    let mut colour_at = |at: usize, value: &str| -> Result<Option<[f64; 3]>, FormatError> {
+        let known = colour_of(ini, at, value, palette)?;
+        if known.is_none() {
+            unknown_colours.push(value.to_owned());
+        }
+        Ok(known.flatten())
+    };
     let colour = match ini.value(section, "COLOR") {
         None => None,
-        Some(entry) => colour_of(ini, entry.at, entry.value, palette)?,
+        Some(entry) => colour_at(entry.at, entry.value)?,
     };
     let general = Thread {
         rgb: colour,
@@ -272,45 +382,79 @@ fn threads(
             .map(|s| s.entries.as_slice())
             .unwrap_or_default()
     };
-    let index = |key: &str, at: usize| -> Result<usize, FormatError> {
-        let number: Option<usize> = key.parse().ok();
-        let index = number
-            .and_then(|n| n.checked_sub(usize::from(!from_zero)))
-            .filter(|&i| i < count);
-        index.ok_or_else(|| {
+    let mut index = |key: &str, at: usize| -> Result<Option<usize>, FormatError> {
+        let number: usize = key.parse().map_err(|_| {
+            let remedy = "write number=value for each thread";
             ini.text
-                .error(at, format!("the number of one of the {count} threads"), quoted(key))
-        })
+                .error(at, "the number of a thread before '='", quoted(key), remedy)
+        })?;
+        let index = number.checked_sub(usize::from(!from_zero)).filter(|&i| i < count);
+        if index.is_none() {
+            unknown_threads.push(number);
+        }
+        Ok(index)
     };
     for entry in each("COLORS").iter().filter(|e| !e.value.is_empty()) {
-        threads[index(&entry.key, entry.at)?].rgb = colour_of(ini, entry.at, entry.value, palette)?;
+        let colour = colour_at(entry.at, entry.value)?;
+        if let Some(index) = index(&entry.key, entry.at)? {
+            threads[index].rgb = colour;
+        }
     }
     for (list, is_spacing) in [("SPACING", true), ("THICKNESS", false)] {
         for entry in each(list).iter().filter(|e| !e.value.is_empty()) {
             let number = entry.value.parse::<f64>().ok().filter(|v| (0.0..1e9).contains(v));
-            let number = number.ok_or_else(|| ini.text.error(entry.at, "a length, 0 or more", quoted(entry.value)))?;
-            let thread = &mut threads[index(&entry.key, entry.at)?];
+            let number = number.ok_or_else(|| {
+                let remedy = "write it with a point as decimal mark, or remove the line: lengths are not needed";
+                ini.text
+                    .error(entry.at, "a length, 0 or more", quoted(entry.value), remedy)
+            })?;
+            let Some(index) = index(&entry.key, entry.at)? else {
+                continue;
+            };
             let length_mm = unit_mm.map(|unit| unit * number);
             *(if is_spacing {
-                &mut thread.spacing_mm
+                &mut threads[index].spacing_mm
             } else {
-                &mut thread.thickness_mm
+                &mut threads[index].thickness_mm
             }) = length_mm;
         }
+    }
+    let what = section.to_lowercase();
+    if !unknown_colours.is_empty() {
+        let uses = unknown_colours.len();
+        unknown_colours.sort();
+        unknown_colours.dedup();
+        unknown_colours.truncate(8);
+        warnings.push(format!(
+            "{uses} entries of the {what} name colours that [COLOR TABLE] does not have ({}): taken as not stated",
+            unknown_colours.join(", ")
+        ));
+    }
+    if !unknown_threads.is_empty() {
+        warnings.push(format!(
+            "{} entries are of {what} threads that the draft does not have ({}): left out",
+            unknown_threads.len(),
+            listed(&unknown_threads)
+        ));
     }
     Ok(threads)
 }
 
-/// An index of the colour table, perhaps with the colour itself behind it; 0 stands for none.
-fn colour_of(ini: &Ini, at: usize, value: &str, palette: &Palette) -> Result<Option<[f64; 3]>, FormatError> {
+/// An index of the colour table, perhaps with the colour itself behind it; 0 stands for none. `None` of an index that
+/// the table does not have.
+fn colour_of(ini: &Ini, at: usize, value: &str, palette: &Palette) -> Result<Option<Option<[f64; 3]>>, FormatError> {
     match whole(ini, at, value)?[..] {
-        [0] if !palette.colours.contains_key(&0) => Ok(None),
         [index] => match palette.colours.get(&index) {
-            Some(colour) => Ok(Some(*colour)),
-            None if !palette.is_there => Ok(None),
-            None => Err(ini.text.error(at, "a colour of [COLOR TABLE]", quoted(value))),
+            Some(colour) => Ok(Some(Some(*colour))),
+            None if index == 0 || !palette.is_there => Ok(Some(None)),
+            None => Ok(None),
         },
-        [_, r, g, b] => Ok(Some(palette.scaled([r, g, b]))),
-        _ => Err(ini.text.error(at, "index, or index,red,green,blue", quoted(value))),
+        [_, r, g, b] => Ok(Some(Some(palette.scaled([r, g, b])))),
+        _ => {
+            let remedy = "write the number of a colour, or remove the line: colours are not needed";
+            Err(ini
+                .text
+                .error(at, "index, or index,red,green,blue", quoted(value), remedy))
+        }
     }
 }

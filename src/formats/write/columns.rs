@@ -1,12 +1,23 @@
 use std::f64::consts::PI;
 use std::fmt::Write;
 
+use rayon::prelude::*;
+
 use super::super::goniometric::{direction, rounded_deg};
 use super::super::{
-    Channels, Component, Directions, Format, Grid, Parameters, Provenance, Quantity, Scatter, Side, Table,
+    Channels, Component, Directions, Format, Grid, Hemispherical, Parameters, Provenance, Quantity, Scatter, Scattered,
+    Side, Table,
 };
 use super::WriteError;
+use super::balance::{Balance, hemispherical};
+use super::nodes::Probe;
 use super::sampling::{Sampler, every};
+
+/// Steps in θ_o, and in φ_o and φ_i, of a table that is resampled, where its values do not bend.
+const POLAR_DEG: f64 = 5.0;
+const AROUND_DEG: f64 = 15.0;
+/// Nodes at most in θ_o and φ_o for each incidence, of isotropic and of anisotropic tables.
+const MOST: [[usize; 2]; 2] = [[64, 60], [30, 36]];
 
 /// A reading: its angles in radians, θ_in, φ_in, θ_out, φ_out or θ_in, θ_v; and f in 1/sr, or β in a CSV, one a channel.
 type Reading = (Vec<f64>, Vec<f64>);
@@ -118,7 +129,7 @@ fn csv(
     text.into_bytes()
 }
 
-/// The source's own readings or nodes where they are directions; else every 5 degrees in polar angle and 15 in azimuth.
+/// The source's own readings or nodes where they are directions; else resampled.
 fn readings(component: &Component, format: Format, notices: &mut Vec<String>) -> Result<Vec<Reading>, WriteError> {
     let quantity = if format == Format::Csv {
         Quantity::BrightnessFactor
@@ -161,30 +172,79 @@ fn readings(component: &Component, format: Format, notices: &mut Vec<String>) ->
                 })
                 .collect()
         }
-        _ => {
-            let sampler = Sampler::new(component, format)?;
-            let azimuths = if component.is_isotropic() {
-                vec![0.0]
-            } else {
-                every(15.0, 345.0)
-            };
-            let mut readings = Vec::new();
-            for theta_i in component.incidences_deg() {
-                for &phi_i in &azimuths {
-                    for theta_o in every(5.0, 85.0) {
-                        for phi_o in every(15.0, 345.0) {
-                            let angles = [theta_i, phi_i, theta_o, phi_o].map(f64::to_radians);
-                            let (omega_in, omega_out) =
-                                (direction(angles[0], angles[1]), direction(angles[2], angles[3]));
-                            let f = sampler.bsdf(&omega_in, &omega_out)?;
-                            let scale = if format == Format::Csv { PI } else { 1.0 };
-                            readings.push((angles.to_vec(), f.iter().map(|f| f * scale).collect()));
-                        }
-                    }
+        _ => resampled(component, format, quantity, notices),
+    }
+}
+
+/// The source's incidences, and for each of them outgoing directions that are closer where its values bend.
+fn resampled(
+    component: &Component,
+    format: Format,
+    quantity: Quantity,
+    notices: &mut Vec<String>,
+) -> Result<Vec<Reading>, WriteError> {
+    let sampler = Sampler::new(component, format)?;
+    let isotropic = component.is_isotropic();
+    let azimuths = if isotropic { vec![0.0] } else { every(AROUND_DEG, 345.0) };
+    let probed = if isotropic { vec![0.0] } else { vec![0.0, 45.0, 90.0] };
+    let mut balance = Balance::default();
+    let mut readings: Vec<Reading> = Vec::new();
+    let node = |[theta_i, phi_i]: [f64; 2], theta_o: f64, phi_o: f64| {
+        let at = |theta: f64, phi: f64| direction(theta.to_radians(), phi.to_radians());
+        (at(theta_i, phi_i), at(theta_o, phi_i + phi_o))
+    };
+    for theta_i in component.incidences_deg() {
+        let probe = Probe::new(component, Sampler::new(component, format)?, &[theta_i], &probed);
+        let even = [every(POLAR_DEG, 90.0), every(AROUND_DEG, 360.0)];
+        let [theta_o, mut phi_o] = probe.nodes(even, MOST[usize::from(!isotropic)], node)?;
+        phi_o.pop();
+        let mut of_incidence: Vec<Reading> = Vec::new();
+        for &phi_i in &azimuths {
+            // In the order of the file: outgoing azimuths from 0 to 360, not from the light's on.
+            let mut phi_o: Vec<f64> = phi_o.iter().map(|phi| (phi + phi_i).rem_euclid(360.0)).collect();
+            phi_o.sort_by(f64::total_cmp);
+            for &theta_o in &theta_o {
+                for &phi_o in &phi_o {
+                    let (omega_in, omega_out) = node([theta_i, phi_i], theta_o, phi_o - phi_i);
+                    let f = sampler.bsdf(&omega_in, &omega_out)?;
+                    let angles = [theta_i, phi_i, theta_o, phi_o].map(f64::to_radians);
+                    of_incidence.push((angles.to_vec(), f));
                 }
             }
-            sampler.notice(notices);
-            Ok(readings)
+        }
+        keep(component, theta_i, &azimuths, &mut of_incidence, &mut balance);
+        readings.extend(of_incidence);
+    }
+    if quantity == Quantity::BrightnessFactor {
+        readings.iter_mut().flat_map(|(_, f)| f).for_each(|f| *f *= PI);
+    }
+    sampler.notice(notices);
+    balance.notice(notices);
+    Ok(readings)
+}
+
+/// Scales the readings of an incidence to the source's hemispherical values, one an incident azimuth, which they are in the order of.
+fn keep(component: &Component, theta_i: f64, azimuths: &[f64], readings: &mut [Reading], balance: &mut Balance) {
+    let channels = component.channels.count();
+    let angles: Vec<Vec<f64>> = readings.iter().map(|(angles, _)| angles.clone()).collect();
+    let values = readings.iter().flat_map(|(_, f)| f.iter().copied()).collect();
+    let Ok(table) = Scattered::new(Directions::Sphere, &angles, channels, values) else {
+        return;
+    };
+    let table = Component {
+        quantity: Quantity::Bsdf,
+        table: Table::Scattered(table),
+        ..component.clone()
+    };
+    let found: Vec<[Option<Hemispherical>; 2]> = azimuths
+        .par_iter()
+        .map(|&phi_i| [component, &table].map(|of| hemispherical(of, theta_i, phi_i)))
+        .collect();
+    let each = readings.len() / azimuths.len();
+    for ([source, written], readings) in found.iter().zip(readings.chunks_mut(each)) {
+        let factors = balance.factors(theta_i, source.as_ref(), written.as_ref(), channels);
+        for (_, f) in readings {
+            f.iter_mut().zip(&factors).for_each(|(f, factor)| *f *= factor);
         }
     }
 }

@@ -1,19 +1,25 @@
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
-use super::super::grid::{Fold, Grid, Parameters};
-use super::super::integra::degrees;
-use super::super::{Channels, Component, Format, Provenance, Quantity, Table};
+use rayon::prelude::*;
+
+use super::super::grid::{Fold, Grid, Parameters, about_z, from_specular};
+use super::super::integra::{degrees, radians};
+use super::super::{Axis, Channels, Component, Format, Hemispherical, Provenance, Quantity, Table};
 use super::WriteError;
+use super::balance::{Balance, hemispherical};
+use super::nodes::Probe;
 use super::sampling::{ChannelMap, Sampler, clipped, every};
 use crate::formats::goniometric::direction;
 use crate::geometry::Vec3;
 
-/// Steps in θ, and in φ and ψ, of a table that is resampled.
+/// Steps in θ, and in φ and ψ, of a table that is resampled, where its values do not bend.
 const POLAR_DEG: f64 = 5.0;
 const AROUND_DEG: f64 = 15.0;
+/// Nodes at most in θ and φ, of isotropic and of anisotropic tables.
+const MOST: [[usize; 2]; 2] = [[160, 73], [74, 37]];
 
-/// Nodes for each σ of an anisotropic table that is resampled.
+/// Nodes for each σ of an anisotropic table that is resampled and has no narrow lobe.
 pub(crate) fn resampled_nodes() -> usize {
     every(POLAR_DEG, 180.0).len() * every(AROUND_DEG, 360.0).len().pow(2)
 }
@@ -38,51 +44,82 @@ impl SpecularGrid {
             && let Parameters::Specular { offsets_rad } = grid.parameters()
             && matches!(grid.fold(), Fold::None | Fold::Mirror)
         {
-            return Self::same(component, grid, offsets_rad);
+            return Self::same(component.quantity, grid, offsets_rad);
         }
         let sampler = Sampler::new(component, format)?;
-        let mut grid = Self {
-            psi_deg: if component.is_isotropic() {
-                vec![0.0]
-            } else {
-                every(AROUND_DEG, 360.0)
-            },
-            sigma_deg: component.incidences_deg(),
-            sigmat_deg: None,
-            phi_deg: every(AROUND_DEG, 360.0),
-            theta_deg: every(POLAR_DEG, 180.0),
-            fold: Fold::None,
-            values: Vec::new(),
-            quantity: Quantity::Bsdf,
-        };
-        for psi in &grid.psi_deg {
-            for sigma in &grid.sigma_deg {
-                let omega_in = direction(sigma.to_radians(), psi.to_radians());
-                for phi in &grid.phi_deg {
-                    for theta in &grid.theta_deg {
-                        let [sigma, psi, theta, phi] = [sigma, psi, theta, phi].map(|a| a.to_radians());
-                        let l = direction(theta, phi);
-                        let x = sigma.cos() * l.x - sigma.sin() * l.z;
-                        let z = sigma.sin() * l.x + sigma.cos() * l.z;
-                        let omega_out = Vec3::new(psi.cos() * x - psi.sin() * l.y, psi.sin() * x + psi.cos() * l.y, z);
-                        grid.values.extend(sampler.bsdf(&omega_in, &omega_out)?);
+        let isotropic = component.is_isotropic();
+        let psi_deg = if isotropic { vec![0.0] } else { every(AROUND_DEG, 360.0) };
+        let sigma_deg = component.incidences_deg();
+        let probed_psi = if isotropic { vec![0.0] } else { vec![0.0, 45.0, 90.0] };
+        let probe = Probe::new(component, Sampler::new(component, format)?, &sigma_deg, &probed_psi);
+        let even = [every(POLAR_DEG, 180.0), every(AROUND_DEG, 360.0)];
+        let [theta_deg, phi_deg] = probe.nodes(even, MOST[usize::from(!isotropic)], node)?;
+        let mut values = Vec::new();
+        for psi in &psi_deg {
+            for sigma in &sigma_deg {
+                for phi in &phi_deg {
+                    for theta in &theta_deg {
+                        let (omega_in, omega_out) = node([*sigma, *psi], *theta, *phi);
+                        values.extend(sampler.bsdf(&omega_in, &omega_out)?);
                     }
                 }
             }
         }
         sampler.notice(notices);
-        Ok(grid)
+        let axes = [
+            Axis::bounded(radians(&sigma_deg)),
+            Axis::azimuth(radians(&psi_deg), TAU),
+            Axis::bounded(radians(&theta_deg)),
+            Axis::azimuth(radians(&phi_deg), TAU),
+        ];
+        let offsets_rad = vec![0.0; sigma_deg.len()];
+        let channels = component.channels.count();
+        let order = [1, 0, 3, 2, 4];
+        let table = Grid::new(
+            Parameters::Specular { offsets_rad },
+            axes,
+            Fold::None,
+            channels,
+            order,
+            values,
+        );
+        let table = Component {
+            quantity: Quantity::Bsdf,
+            table: Table::Grid(table),
+            ..component.clone()
+        };
+        let incidences: Vec<[usize; 2]> = (0..psi_deg.len())
+            .flat_map(|p| (0..sigma_deg.len()).map(move |s| [s, p]))
+            .collect();
+        let found: Vec<[Option<Hemispherical>; 2]> = incidences
+            .par_iter()
+            .map(|&[s, p]| [component, &table].map(|of| hemispherical(of, sigma_deg[s], psi_deg[p])))
+            .collect();
+        let Table::Grid(mut scaled) = table.table else {
+            return Err(WriteError::NotWritten { format });
+        };
+        let mut balance = Balance::default();
+        for (&[s, p], [source, written]) in incidences.iter().zip(&found) {
+            let factors = balance.factors(sigma_deg[s], source.as_ref(), written.as_ref(), channels);
+            let factors = factors.into_iter().enumerate();
+            factors.for_each(|(channel, factor)| scaled.scale([s, p], channel, factor));
+        }
+        balance.notice(notices);
+        let offsets_rad = vec![0.0; sigma_deg.len()];
+        Self::same(Quantity::Bsdf, &scaled, &offsets_rad)
     }
 
-    fn same(component: &Component, grid: &Grid, offsets_rad: &[f64]) -> Result<Self, WriteError> {
+    fn same(quantity: Quantity, grid: &Grid, offsets_rad: &[f64]) -> Result<Self, WriteError> {
+        // The format wants azimuths from 0 to 360 degrees.
+        let grid = &grid.closed();
         let [sigma, psi, theta, phi] = grid.axes();
         let [n0, n1, n2, n3] = grid.shape();
-        if component.quantity == Quantity::Unscaled {
+        if quantity == Quantity::Unscaled {
             return Err(WriteError::Unscaled);
         }
         let mut values = Vec::new();
         for (i1, i0, i3, i2) in indices([n1, n0, n3, n2]) {
-            values.extend((0..component.channels.count()).map(|channel| grid.at([i0, i1, i2, i3], channel)));
+            values.extend((0..grid.channels()).map(|channel| grid.at([i0, i1, i2, i3], channel)));
         }
         let sigma_deg = degrees(sigma);
         let sigmat = offsets_rad
@@ -100,9 +137,16 @@ impl SpecularGrid {
             theta_deg: degrees(theta),
             fold: grid.fold(),
             values,
-            quantity: component.quantity,
+            quantity,
         })
     }
+}
+
+/// Directions to light and viewer of a node in degrees: incident polar angle and azimuth, angle from the mirror direction and
+/// azimuth about it.
+fn node([sigma, psi]: [f64; 2], theta: f64, phi: f64) -> (Vec3, Vec3) {
+    let [sigma, psi, theta, phi] = [sigma, psi, theta, phi].map(f64::to_radians);
+    (direction(sigma, psi), about_z(&from_specular(theta, phi, sigma), psi))
 }
 
 /// All combinations, the last fastest.
@@ -160,11 +204,6 @@ pub(super) fn diffuse(
     let grid = SpecularGrid::of(component, Format::Ddr, notices)?;
     let scale = if grid.quantity == Quantity::Bsdf { PI } else { 1.0 };
     let values = mapped(grid.values, &component.channels, notices)?;
-    let data = if grid.quantity == Quantity::BsdfCosine {
-        "Intensity"
-    } else {
-        "Luminance"
-    };
     let symmetry = match (grid.fold, grid.psi_deg.len(), grid.phi_deg.len()) {
         (_, 1, 1) => "AxiSymmetrical",
         (Fold::Mirror, ..) => "PlaneSymmetrical",
@@ -172,7 +211,7 @@ pub(super) fn diffuse(
         _ => "ASymmetrical 4D",
     };
     let mut text = format!(
-        ";; specval {}\nSource {}\nTypeSym {symmetry}\nTypeColorModel {}\nTypeData {data} Absolute\n",
+        ";; specval {}\nSource {}\nTypeSym {symmetry}\nTypeColorModel {}\nTypeData Luminance Absolute\n",
         env!("CARGO_PKG_VERSION"),
         source(provenance),
         colour_model(&component.channels)

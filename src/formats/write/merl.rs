@@ -3,11 +3,14 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::super::merl;
-use super::super::{Channels, Component, Format};
+use super::super::{Channels, Component, Format, Hemispherical, Quantity, Scatter, Side, Table};
 use super::WriteError;
-use super::sampling::{ChannelMap, Sampler, clipped};
+use super::balance::{Balance, hemispherical};
+use super::sampling::{ChannelMap, Sampler, clipped, every};
 use crate::geometry::Vec3;
 
+/// Times that hemispherical values are compared and values scaled.
+const PASSES: usize = 3;
 /// Incident azimuths an anisotropic source is averaged over.
 const TURNS: usize = 8;
 
@@ -47,5 +50,85 @@ pub(super) fn write(component: &Component, notices: &mut Vec<String>) -> Result<
         notices.push("components of colours outside the RGB space are written as 0".into());
     }
     sampler.notice(notices);
+    keep(component, &map, &turns_rad, &mut rgb, notices);
     Ok(merl::bytes(&rgb))
+}
+
+/// Scales values by √(a(θ_i) a(θ_o)), which keeps them reciprocal, with a such that hemispherical values are the source's.
+fn keep(
+    component: &Component,
+    map: &ChannelMap,
+    turns_rad: &[f64],
+    rgb: &mut [Option<[f64; 3]>],
+    notices: &mut Vec<String>,
+) {
+    const STEP_DEG: f64 = 5.0;
+    let incidences_deg = every(STEP_DEG, 80.0);
+    let wanted: Vec<Option<Hemispherical>> = incidences_deg
+        .par_iter()
+        .map(|&theta| {
+            let turned = turns_rad
+                .iter()
+                .map(|turn| hemispherical(component, theta, turn.to_degrees()));
+            let all: Vec<Hemispherical> = turned.collect::<Option<_>>()?;
+            let n = all.len() as f64;
+            let mean = |of: fn(&Hemispherical) -> &Vec<f64>| -> Vec<f64> {
+                let channels = 0..component.channels.count();
+                channels
+                    .map(|c| all.iter().map(|found| of(found)[c]).sum::<f64>() / n)
+                    .collect()
+            };
+            Some(Hemispherical {
+                values: map.apply(&mean(|found| &found.values)),
+                errors: map.apply(&mean(|found| &found.errors)),
+                measured: all.iter().map(|found| found.measured).fold(1.0, f64::min),
+            })
+        })
+        .collect();
+    let written = |rgb: &[Option<[f64; 3]>]| -> Vec<Option<Hemispherical>> {
+        let table = Component {
+            scatter: Scatter::Reflection,
+            side: Side::Front,
+            quantity: Quantity::Bsdf,
+            channels: Channels::Rgb,
+            table: Table::Grid(merl::table(rgb)),
+        };
+        incidences_deg
+            .par_iter()
+            .map(|&theta| hemispherical(&table, theta, 0.0))
+            .collect()
+    };
+    let mut balance = Balance::default();
+    for pass in 0..PASSES {
+        let mut each = Balance::default();
+        let found = written(rgb);
+        let factors: Vec<Vec<f64>> = (incidences_deg.iter().zip(wanted.iter().zip(&found)))
+            .map(|(&theta, (wanted, found))| each.factors(theta, wanted.as_ref(), found.as_ref(), 3))
+            .collect();
+        if pass == 0 {
+            balance = each;
+        }
+        let at = |omega: &Vec3, channel: usize| {
+            let place = (omega.z.clamp(-1.0, 1.0).acos().to_degrees() / STEP_DEG).min((factors.len() - 1) as f64);
+            let below = (place as usize).min(factors.len() - 2);
+            let t = place - below as f64;
+            (1.0 - t) * factors[below][channel] + t * factors[below + 1][channel]
+        };
+        rgb.par_iter_mut().enumerate().for_each(|(node, values)| {
+            if let Some(values) = values {
+                let (omega_in, omega_out) = merl::directions(node);
+                for (channel, value) in values.iter_mut().enumerate() {
+                    *value *= (at(&omega_in, channel) * at(&omega_out, channel)).sqrt();
+                }
+            }
+        });
+    }
+    for (&theta, (wanted, found)) in incidences_deg.iter().zip(wanted.iter().zip(&written(rgb))) {
+        if let (Some(wanted), Some(found)) = (wanted, found)
+            && wanted.measured == 1.0
+        {
+            balance.leave(theta, wanted, found);
+        }
+    }
+    balance.notice(notices);
 }

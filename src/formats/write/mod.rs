@@ -1,8 +1,10 @@
 //! Writers. What a format cannot hold is resampled in the source's own interpolation, and said so.
 
+mod balance;
 mod columns;
 mod integra;
 mod merl;
+mod nodes;
 mod radiance;
 mod rgl;
 mod sampling;

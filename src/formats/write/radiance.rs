@@ -1,15 +1,20 @@
 use std::fmt::Write;
 
-use super::super::goniometric::angles_of;
+use rayon::prelude::*;
+
+use super::super::goniometric::{angles_of, rounded_deg};
 use super::super::klems::{KlemsBasis, KlemsMatrix};
-use super::super::{Channels, Component, Format, Goniometric, Scatter, Side, SpecularTable, Table};
+use super::super::{Channels, Component, Format, Goniometric, Hemispherical, Scatter, Side, SpecularTable, Table};
 use super::WriteError;
+use super::balance::Balance;
 use super::sampling::{ChannelMap, Sampler, clipped};
 use crate::geometry::Vec3;
 
 /// Points along either side of a patch that its mean is taken over, exiting and incident.
 const EXITING: usize = 3;
 const INCIDENT: usize = 2;
+/// Share of a patch that the points of an integral stand for, from which on they are its mean.
+const COVERED: f64 = 0.5;
 
 /// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z. Specular fractions are
 /// on their diagonals.
@@ -124,7 +129,8 @@ fn block(text: &mut String, component: &Component, matrix: &KlemsMatrix, wavelen
     *text += "</ScatteringData>\n</WavelengthDataBlock>\n</WavelengthData>\n";
 }
 
-/// Means of f over pairs of patches, even in projected solid angle.
+/// Means of f over pairs of patches. Of an exiting patch it is ∫ f cos θ dω over it, by the points of the integral over the
+/// hemisphere, so that hemispherical values stay those of the source; incident directions are even in projected solid angle.
 fn averaged(component: &Component, notices: &mut Vec<String>) -> Result<KlemsMatrix, WriteError> {
     let basis = KlemsBasis::named("LBNL/Klems Full").ok_or(WriteError::NotWritten {
         format: Format::RadianceXml,
@@ -138,26 +144,88 @@ fn averaged(component: &Component, notices: &mut Vec<String>) -> Result<KlemsMat
     };
     let count = basis.count();
     let exiting: Vec<Vec<Vec3>> = (0..count).map(|patch| inside(&basis, patch, EXITING)).collect();
-    let mut values = vec![0.0; channels * count * count];
-    for incident in 0..count {
-        let lights = inside(&basis, incident, INCIDENT);
-        for (out, directions) in exiting.iter().enumerate() {
-            let weight = 1.0 / (lights.len() * directions.len()) as f64;
-            for light in &lights {
+    let weight = 1.0 / (INCIDENT * INCIDENT) as f64;
+    let columns: Vec<(Vec<f64>, Balance)> = (0..count)
+        .into_par_iter()
+        .map(|incident| {
+            let mut balance = Balance::default();
+            let mut column = vec![0.0; channels * count];
+            for light in inside(&basis, incident, INCIDENT) {
                 let omega_in = Vec3::new(-light.x, -light.y, light.z);
-                for omega_out in directions {
-                    let f = map.apply(&sampler.bsdf(&omega_in, omega_out)?);
-                    for (channel, f) in f.iter().enumerate() {
-                        values[(channel * count + out) * count + incident] += weight * f;
+                let means = patch_means(component, &basis, &sampler, &exiting, &omega_in, &mut balance)?;
+                for (out, f) in means.iter().enumerate() {
+                    for (channel, f) in map.apply(f).into_iter().enumerate() {
+                        column[channel * count + out] += weight * f;
                     }
                 }
             }
+            Ok((column, balance))
+        })
+        .collect::<Result<_, WriteError>>()?;
+    let mut values = vec![0.0; channels * count * count];
+    let mut balance = Balance::default();
+    for (incident, (column, of_column)) in columns.into_iter().enumerate() {
+        balance.merge(of_column);
+        for (at, f) in column.into_iter().enumerate() {
+            values[at * count + incident] = f;
         }
     }
     clipped(&mut values, notices);
     notices.push("values are means over the patches of Klems' full basis".into());
     sampler.notice(notices);
+    balance.notice(notices);
     Ok(KlemsMatrix::new(basis.clone(), basis, values))
+}
+
+/// Means of f over exiting patches, one value a channel, of light from a direction.
+fn patch_means(
+    component: &Component,
+    basis: &KlemsBasis,
+    sampler: &Sampler,
+    exiting: &[Vec<Vec3>],
+    omega_in: &Vec3,
+    balance: &mut Balance,
+) -> Result<Vec<Vec<f64>>, WriteError> {
+    let channels = component.channels.count();
+    let (theta_i, phi_i) = angles_of(omega_in);
+    let mut integrals = vec![vec![0.0; channels]; basis.count()];
+    let mut covered = vec![0.0; basis.count()];
+    component.visit_hemisphere(theta_i, phi_i, |omega_out, projected, values| {
+        let patch = basis.patch(omega_out);
+        covered[patch] += projected;
+        integrals[patch].iter_mut().zip(values).for_each(|(sum, f)| *sum += f);
+    });
+    let mut means = Vec::with_capacity(basis.count());
+    for (patch, mut integral) in integrals.into_iter().enumerate() {
+        // Too few points to know the patch by, or a table that has none.
+        if covered[patch] < COVERED * basis.projected_solid_angle(patch) {
+            integral = vec![0.0; channels];
+            for omega_out in &exiting[patch] {
+                let f = sampler.bsdf(omega_in, omega_out)?;
+                integral.iter_mut().zip(f).for_each(|(sum, f)| *sum += f);
+            }
+            covered[patch] = exiting[patch].len() as f64;
+        }
+        integral.iter_mut().for_each(|f| *f /= covered[patch]);
+        means.push(integral);
+    }
+    let source = component.directional_hemispherical(theta_i, phi_i);
+    let sum = |channel: usize| -> f64 {
+        let patches = means.iter().enumerate();
+        patches
+            .map(|(patch, f)| f[channel] * basis.projected_solid_angle(patch))
+            .sum()
+    };
+    let table = Hemispherical {
+        values: (0..channels).map(sum).collect(),
+        errors: vec![0.0; channels],
+        measured: 1.0,
+    };
+    let factors = balance.factors(rounded_deg(theta_i), source.as_ref(), Some(&table), channels);
+    for f in &mut means {
+        f.iter_mut().zip(&factors).for_each(|(f, factor)| *f *= factor);
+    }
+    Ok(means)
 }
 
 /// Adds a fraction to the diagonal of a matrix: it goes into the one patch opposite to that of the light, where it is

@@ -72,6 +72,8 @@ impl<'a> Sampler<'a> {
         let mut sums = vec![0.0; self.component.channels.count()];
         if theta_o <= HORIZON_RAD {
             self.add(omega_in, omega_out, &mut left, &mut sums);
+        } else if theta_o <= FRAC_PI_2 {
+            self.add(omega_in, &direction(HORIZON_RAD, phi_o), &mut left, &mut sums);
         }
         if !left.is_empty() {
             // Below the horizon there is nothing to measure; tables only need something smooth there.

@@ -3,7 +3,7 @@ use std::fmt::Write;
 
 use super::super::integra::degrees;
 use super::super::{
-    Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side, SpecularTable, Table,
+    Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Scatter, Side, SpecularTable, Table,
 };
 use super::integra::{SpecularGrid, line};
 use super::{Encoding, WriteError};
@@ -145,6 +145,7 @@ fn lists(text: &mut String, lists: &[(usize, &[f64])]) {
 }
 
 fn specular(text: &mut String, table: &SpecularTable) -> Vec<f64> {
+    let table = &table.closed();
     let (incidence, azimuth) = (degrees(table.incidence()), degrees(table.azimuth()));
     lists(text, &[(0, &incidence)]);
     if !table.azimuth().is_single() {
@@ -155,6 +156,8 @@ fn specular(text: &mut String, table: &SpecularTable) -> Vec<f64> {
 }
 
 fn same(text: &mut String, component: &Component, grid: &Grid) -> Result<Vec<f64>, WriteError> {
+    // Some readers hold the value of the last azimuth up to 360 degrees.
+    let grid = &grid.closed();
     let (name, offsets) = match grid.parameters() {
         Parameters::Spherical => ("spherical", None),
         Parameters::Specular { offsets_rad } => ("specular", Some(offsets_rad)),
@@ -181,16 +184,9 @@ fn same(text: &mut String, component: &Component, grid: &Grid) -> Result<Vec<f64
     let [n0, n1, n2, n3] = grid.shape();
     let mut values = Vec::new();
     for node in (0..n0 * n1 * n2 * n3).map(|i| [i % n0, i / n0 % n1, i / n0 / n1 % n2, i / n0 / n1 / n2]) {
-        let cos_out = grid.directions(node).map_or(0.0, |(_, omega_out)| omega_out.z);
         for channel in 0..component.channels.count() {
-            let stored = grid.at(node, channel);
-            // Below the horizon a value that holds the cosine has no f; nothing is looked up there.
-            let below = component.quantity == Quantity::BsdfCosine && cos_out <= 0.0;
-            let bsdf = if below {
-                Some(0.0)
-            } else {
-                component.quantity.to_bsdf(stored, cos_out)
-            };
+            // No grid holds the cosine.
+            let bsdf = component.quantity.to_bsdf(grid.at(node, channel), 1.0);
             values.push(bsdf.ok_or(WriteError::Unscaled)?);
         }
     }

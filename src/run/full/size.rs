@@ -13,6 +13,9 @@ impl Cells {
     pub fn expected_bytes(&self, format: Format, encoding: Encoding, channels: &Channels) -> Option<u64> {
         let Self::Nodes(nodes) = self else { return None };
         let pairs = (self.incident() - 1 + nodes.azimuths()) as f64 * (self.count() - 1 + nodes.azimuths()) as f64;
+        // With the azimuths that close the circle.
+        let closed = |ring_nodes: usize| (1 + ring_nodes / nodes.azimuths()) * (nodes.azimuths() + 1);
+        let closed_pairs = (closed(self.incident() - 1) * closed(self.count() - 1)) as f64;
         let values = channels.count() as f64;
         let bytes = match (format, encoding) {
             (Format::Csv, _) => match channels {
@@ -21,8 +24,8 @@ impl Cells {
                 _ => pairs * (angle_bytes(nodes, in_degrees) + values * SIX_DIGITS),
             },
             (Format::Astm, _) => pairs * (angle_bytes(nodes, |rad| rad.to_string()) + values * SIX_DIGITS),
-            (Format::Ssdd, Encoding::Text) => 2.0 * pairs * values * SIX_DIGITS,
-            (Format::Ssdd, Encoding::Binary) => 2.0 * pairs * values * 4.0,
+            (Format::Ssdd, Encoding::Text) => 2.0 * closed_pairs * values * SIX_DIGITS,
+            (Format::Ssdd, Encoding::Binary) => 2.0 * closed_pairs * values * 4.0,
             (Format::Ddr, _) => (nodes.rings() * resampled_nodes()) as f64 * values * ALL_DIGITS,
             _ => return None,
         };

@@ -1,10 +1,9 @@
 //! CGATS-like text: key words, one data format, one block of data (CGATS.17, ISO 28178; Argyll's `.sp` files are of it).
 
-use super::CsvTable;
-use super::csv_table::{CsvError, Row, shortened};
+use super::{CsvError, CsvTable, shortened};
 
 /// A CGATS text and those of its key words that say how to read it.
-pub(super) struct Cgats {
+pub(crate) struct Cgats {
     pub table: CsvTable,
     keywords: Vec<Keyword>,
 }
@@ -25,7 +24,7 @@ enum Part {
 }
 
 /// Whether a text is CGATS and not CSV: a line of it begins with one of the words that every CGATS file has.
-pub(super) fn is_cgats(text: &str) -> bool {
+pub(crate) fn is_cgats(text: &str) -> bool {
     const WORDS: [&str; 4] = ["BEGIN_DATA_FORMAT", "BEGIN_DATA", "NUMBER_OF_FIELDS", "NUMBER_OF_SETS"];
     text.lines()
         .any(|line| line.split_whitespace().next().is_some_and(|word| WORDS.contains(&word)))
@@ -33,16 +32,11 @@ pub(super) fn is_cgats(text: &str) -> bool {
 
 impl Cgats {
     /// A set is one line with as many values as the format has fields; stated numbers of fields and sets must be right.
-    pub(super) fn parse(name: &str, text: &str) -> Result<Self, Box<CsvError>> {
+    pub(crate) fn parse(name: &str, text: &str) -> Result<Self, Box<CsvError>> {
         let mut part = Part::Keywords;
         let mut has_format = false;
         let mut cgats = Self {
-            table: CsvTable {
-                name: name.into(),
-                header_line: 1,
-                columns: Vec::new(),
-                rows: Vec::new(),
-            },
+            table: CsvTable::new(name),
             keywords: Vec::new(),
         };
         let last_line = text.lines().count().max(1);
@@ -95,7 +89,7 @@ impl Cgats {
             Part::Data => "END_DATA",
             Part::End => {
                 cgats.counted("NUMBER_OF_FIELDS", cgats.table.columns.len())?;
-                cgats.counted("NUMBER_OF_SETS", cgats.table.rows.len())?;
+                cgats.counted("NUMBER_OF_SETS", cgats.table.len())?;
                 cgats.table = cgats.table.complete()?;
                 return Ok(cgats);
             }
@@ -107,7 +101,7 @@ impl Cgats {
     }
 
     /// The number that a key word states, with its line; it must be above 0.
-    pub(super) fn number(&self, key: &str) -> Result<Option<(f64, usize)>, Box<CsvError>> {
+    pub(crate) fn number(&self, key: &str) -> Result<Option<(f64, usize)>, Box<CsvError>> {
         let Some(keyword) = self.keywords.iter().find(|keyword| keyword.key == key) else {
             return Ok(None);
         };
@@ -120,6 +114,25 @@ impl Cgats {
                     .error(keyword.line, Some(key), "a number above 0", &found, None))
             }
         }
+    }
+
+    /// Key words that state under what light, for what observer or in what geometry was measured, with their values.
+    pub(crate) fn stated(&self) -> Vec<(String, String)> {
+        const OF_COLOUR: [&str; 8] = [
+            "ILLUMINANT",
+            "ILLUMINATION",
+            "OBSERVER",
+            "OBSERVER_ANGLE",
+            "WEIGHTING_FUNCTION",
+            "MEASUREMENT_CONDITION",
+            "MEASUREMENT_SOURCE",
+            "MEASUREMENT_GEOMETRY",
+        ];
+        let of_colour = |keyword: &&Keyword| OF_COLOUR.iter().any(|key| keyword.key.eq_ignore_ascii_case(key));
+        let stated = self.keywords.iter().filter(of_colour);
+        stated
+            .map(|keyword| (keyword.key.clone(), keyword.value.clone()))
+            .collect()
     }
 
     /// Words of a line, in double quotes or between white space, up to a comment; a doubled quote in quotes is a quote.
@@ -165,10 +178,7 @@ impl Cgats {
         let key = words.swap_remove(0);
         // What reading depends on has one value; the rest are notes and may be repeated.
         let decides = key.starts_with("NUMBER_OF_") || key.starts_with("SPECTRAL_");
-        if !decides {
-            return Ok(());
-        }
-        if self.keywords.iter().any(|known| known.key == key) {
+        if decides && self.keywords.iter().any(|known| known.key == key) {
             return Err(self.table.error(
                 line,
                 None,
@@ -194,7 +204,7 @@ impl Cgats {
                 Some("write each set in a line of its own"),
             ));
         }
-        self.table.rows.push(Row { line, cells });
+        self.table.push(line, cells.iter().map(String::as_str));
         Ok(())
     }
 

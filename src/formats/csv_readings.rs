@@ -1,0 +1,293 @@
+//! This program's CSV of goniometric readings.
+
+use std::collections::HashMap;
+use std::ops::RangeInclusive;
+
+use super::FormatError;
+use super::detect::Format;
+use super::error::Place;
+use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
+use super::scattered::{Directions, Scattered};
+use crate::spectrum::{WavelengthGrid, plausibility};
+use crate::text::{CsvError, CsvTable};
+
+/// Angle columns, with their ranges in degrees.
+const PLANE: [(&str, RangeInclusive<f64>); 2] = [("theta_i_deg", 0.0..=90.0), ("theta_v_deg", -90.0..=90.0)];
+const SPHERE: [(&str, RangeInclusive<f64>); 4] = [
+    ("theta_i_deg", 0.0..=90.0),
+    ("phi_i_deg", -360.0..=360.0),
+    ("theta_o_deg", 0.0..=180.0),
+    ("phi_o_deg", -360.0..=360.0),
+];
+
+/// Brightness factors and their errors are at most this.
+const LARGEST: f64 = 1e30;
+
+/// Columns: angles in degrees as above, theta_o beyond 90 of transmission; then `wavelength_nm,beta`, or a column a wavelength,
+/// or `beta_r,beta_g,beta_b`, `beta_x,beta_y,beta_z` or `beta`; then standard errors, the same names with `_se`, all or none.
+pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError> {
+    parse(path, bytes).map_err(|e| format_error(&e))
+}
+
+fn format_error(of: &CsvError) -> FormatError {
+    let place = Place::Line {
+        line: of.line,
+        column: 1,
+    };
+    let column = of.column.as_ref().map(|name| format!("{name}, ")).unwrap_or_default();
+    let remedy = of.remedy.as_deref();
+    FormatError::at(
+        &of.name,
+        place,
+        format!("{column}{}", of.expected),
+        of.found.as_str(),
+        remedy.unwrap_or("correct the value there, or leave the line out"),
+    )
+}
+
+/// Which column holds what.
+struct Layout {
+    directions: Directions,
+    angles: Vec<(usize, RangeInclusive<f64>)>,
+    wavelength: Option<usize>,
+    beta: Vec<usize>,
+    /// As many as `beta`, or none.
+    errors: Vec<usize>,
+}
+
+impl Layout {
+    fn of(table: &CsvTable) -> Result<Self, Box<CsvError>> {
+        let (directions, angle_columns) = match table.column("phi_o_deg") {
+            Some(_) => (Directions::Sphere, &SPHERE[..]),
+            None => (Directions::Plane, &PLANE[..]),
+        };
+        let found = || table.columns().join(",");
+        let place = |name: &str| {
+            let remedy = "columns are theta_i_deg,theta_v_deg or theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg, then \
+                          wavelength_nm,beta or beta_r,beta_g,beta_b";
+            let missing = || table.header_error(&format!("a column {name}"), &found(), Some(remedy));
+            table.column(name).ok_or_else(missing)
+        };
+        let value_columns: &[&str] = [
+            &["wavelength_nm", "beta"][..],
+            &["beta_r", "beta_g", "beta_b"],
+            &["beta_x", "beta_y", "beta_z"],
+            &["beta"],
+        ]
+        .into_iter()
+        .find(|set| set.iter().all(|name| table.column(name).is_some()))
+        .ok_or_else(|| {
+            let remedy = "or a column a wavelength, titled with it in nm, such as 450";
+            table.header_error(
+                "columns wavelength_nm,beta or beta_r,beta_g,beta_b",
+                &found(),
+                Some(remedy),
+            )
+        })?;
+        let angles = angle_columns
+            .iter()
+            .map(|(name, range)| Ok((place(name)?, range.clone())));
+        let angles = angles.collect::<Result<Vec<_>, Box<CsvError>>>()?;
+        let wavelength = table
+            .column("wavelength_nm")
+            .filter(|_| value_columns[0] == "wavelength_nm");
+        let names = &value_columns[usize::from(wavelength.is_some())..];
+        let beta = names.iter().map(|name| place(name)).collect::<Result<Vec<_>, _>>()?;
+        let errors = match table.columns().iter().any(|name| name.ends_with("_se")) {
+            true => names
+                .iter()
+                .map(|name| place(&format!("{name}_se")))
+                .collect::<Result<Vec<_>, _>>()?,
+            false => Vec::new(),
+        };
+        let layout = Self {
+            directions,
+            angles,
+            wavelength,
+            beta,
+            errors,
+        };
+        match (0..table.columns().len()).find(|column| !layout.holds(*column)) {
+            Some(other) => {
+                let remedy = Some("remove it, or rename it");
+                Err(table.header_error("known columns, each once", &table.columns()[other], remedy))
+            }
+            None => Ok(layout),
+        }
+    }
+
+    fn holds(&self, column: usize) -> bool {
+        let places = self.angles.iter().map(|(place, _)| place).chain(&self.wavelength);
+        places
+            .chain(&self.beta)
+            .chain(&self.errors)
+            .any(|place| *place == column)
+    }
+}
+
+/// Readings in the order of the file.
+#[derive(Default)]
+struct Readings {
+    by_geometry: HashMap<Vec<u64>, usize>,
+    /// In radians.
+    angles: Vec<Vec<f64>>,
+    /// First row of each.
+    rows: Vec<usize>,
+    values: Vec<Vec<f64>>,
+    errors: Vec<Vec<f64>>,
+    wavelengths: Vec<Vec<f64>>,
+    /// Whether the light went through.
+    through: Option<bool>,
+    highest: f64,
+    /// The lowest value and its row.
+    lowest: (f64, usize),
+    negative: usize,
+}
+
+impl Readings {
+    fn take(&mut self, table: &CsvTable, layout: &Layout, row: usize) -> Result<(), Box<CsvError>> {
+        let mut degrees = Vec::with_capacity(layout.angles.len());
+        for (column, range) in &layout.angles {
+            let expected = format!("an angle from {} to {} degrees", range.start(), range.end());
+            let angle = table.number(row, *column, &expected)?;
+            if !range.contains(&angle) {
+                return Err(table.cell_error(row, *column, &expected, None));
+            }
+            degrees.push(angle);
+        }
+        if layout.directions == Directions::Sphere {
+            // The horizon belongs to both.
+            let side = (degrees[2] != 90.0).then_some(degrees[2] > 90.0);
+            if side.is_some_and(|side| *self.through.get_or_insert(side) != side) {
+                let found = format!("theta_o_deg {}", degrees[2]);
+                let remedy = Some("write transmission, theta_o_deg above 90, into a file of its own");
+                return Err(table.row_error(row, "either reflection or transmission in a file", &found, remedy));
+            }
+            if degrees[2] > 90.0 {
+                degrees[2] = 180.0 - degrees[2];
+            }
+        }
+        let key = degrees.iter().map(|a| (a + 0.0).to_bits()).collect();
+        let readings = self.angles.len();
+        let index = *self.by_geometry.entry(key).or_insert(readings);
+        if index == readings {
+            self.angles.push(degrees.into_iter().map(f64::to_radians).collect());
+            self.rows.push(row);
+            self.values.push(Vec::new());
+            self.errors.push(Vec::new());
+            self.wavelengths.push(Vec::new());
+        } else if layout.wavelength.is_none() {
+            return Err(twice(table, row, self.rows[index]));
+        }
+        if let Some(column) = layout.wavelength {
+            let expected = "a wavelength in nm, ascending at each geometry";
+            let nm = table.number(row, column, expected)?;
+            let unit = plausibility::wavelength_unit(nm).filter(|_| self.wavelengths[index].is_empty());
+            let ascends = self.wavelengths[index].last().is_none_or(|last| nm > *last);
+            if !ascends || nm <= 0.0 || unit.is_some() {
+                return Err(table.cell_error(row, column, expected, unit));
+            }
+            self.wavelengths[index].push(nm);
+        }
+        for &column in &layout.beta {
+            let expected = "a brightness factor, dimensionless";
+            let value = table.number(row, column, expected)?;
+            if value.abs() > LARGEST {
+                return Err(table.cell_error(row, column, expected, None));
+            }
+            self.highest = self.highest.max(value);
+            self.negative += usize::from(value < 0.0);
+            if value < self.lowest.0 {
+                self.lowest = (value, row);
+            }
+            self.values[index].push(value);
+        }
+        for &column in &layout.errors {
+            let expected = "a standard error in the unit of beta, 0 or more";
+            let error = table.number(row, column, expected)?;
+            if !(0.0..=LARGEST).contains(&error) {
+                return Err(table.cell_error(row, column, expected, None));
+            }
+            self.errors[index].push(error);
+        }
+        Ok(())
+    }
+
+    /// What the user has to know of the values as a whole.
+    fn notices(&self, table: &CsvTable) -> Result<Vec<String>, Box<CsvError>> {
+        let mut notices = table.notices().to_vec();
+        match plausibility::below_zero("beta", self.lowest.0, self.highest, self.negative) {
+            Ok(notice) => notices.extend(notice),
+            Err([expected, found, remedy]) => {
+                return Err(table.row_error(self.lowest.1, &expected, &found, Some(&remedy)));
+            }
+        }
+        let values = || self.values.iter().flatten().copied();
+        notices.extend(plausibility::per_cent_for_fractions("beta", values()));
+        let angles = self.angles.iter().flatten().map(|angle| angle.to_degrees());
+        notices.extend(plausibility::radians_for_degrees(angles));
+        Ok(notices)
+    }
+}
+
+fn twice(table: &CsvTable, row: usize, first: usize) -> Box<CsvError> {
+    let found = format!("the pair of line {} again", table.line(first));
+    table.row_error(
+        row,
+        "every pair of directions once",
+        &found,
+        Some("keep one of them, or their mean; azimuths 360 degrees apart are one direction"),
+    )
+}
+
+fn parse(path: &str, bytes: &[u8]) -> Result<Goniometric, Box<CsvError>> {
+    let table = CsvTable::parse(path, bytes)?.long();
+    let layout = Layout::of(&table)?;
+    let mut readings = Readings::default();
+    for row in 0..table.len() {
+        readings.take(&table, &layout, row)?;
+    }
+    let warnings = readings.notices(&table)?;
+    let wavelengths = &readings.wavelengths;
+    let channels = match (layout.wavelength, layout.beta.len()) {
+        (Some(_), _) => {
+            if let Some(other) = wavelengths.iter().position(|nm| *nm != wavelengths[0]) {
+                let expected = format!("the {} wavelengths of the first geometry", wavelengths[0].len());
+                let remedy = Some("measure every geometry at the same wavelengths, or leave the others out");
+                return Err(table.row_error(readings.rows[other], &expected, "others", remedy));
+            }
+            let grid = WavelengthGrid::new(wavelengths[0].clone());
+            Channels::Wavelengths(grid.map_err(|e| table.header_error("wavelengths", &e.to_string(), None))?)
+        }
+        (None, 1) => Channels::Monochrome,
+        (None, _) if table.column("beta_r").is_some() => Channels::Rgb,
+        (None, _) => Channels::Xyz,
+    };
+    let scattered = Scattered::new(
+        layout.directions,
+        &readings.angles,
+        channels.count(),
+        readings.values.concat(),
+    )
+    .map_err(|pair| twice(&table, readings.rows[pair.1], readings.rows[pair.0]))?;
+    let scattered = scattered.with_errors((!layout.errors.is_empty()).then(|| readings.errors.concat()));
+    let provenance = Provenance {
+        comments: table.comments().to_vec(),
+        ..Provenance::default()
+    };
+    Ok(Goniometric {
+        format: Format::Csv,
+        provenance,
+        components: vec![Component {
+            scatter: match readings.through {
+                Some(true) => Scatter::Transmission,
+                _ => Scatter::Reflection,
+            },
+            side: Side::Front,
+            quantity: Quantity::BrightnessFactor,
+            channels,
+            table: Table::Scattered(scattered),
+        }],
+        warnings,
+    })
+}

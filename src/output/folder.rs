@@ -1,0 +1,99 @@
+use super::file::{make_folder, prepare, write_all};
+use super::place::Place;
+use super::record::Record;
+use super::{Lock, OutputError, is_scratch};
+use std::path::{Path, PathBuf};
+
+/// One file of a report, complete in memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedFile {
+    pub name: String,
+    pub bytes: Vec<u8>,
+}
+
+/// A folder for a report, prepared before a simulation starts, so that a bad path fails in the first second. No second run may
+/// write there while this lives.
+#[derive(Debug)]
+pub struct ReportFolder {
+    path: PathBuf,
+    earlier: Record,
+    force: bool,
+    _lock: Lock,
+}
+
+impl ReportFolder {
+    /// File in the folder that an interrupted run goes on from.
+    pub const STATE: &str = "specval.state";
+    const LOCK: &str = "specval.lock";
+
+    /// Makes the folder where it is missing, and tries to write in it. `names` are the files that will be written; `force`
+    /// lets them replace files that no earlier report wrote, or that were changed since.
+    ///
+    /// # Errors
+    /// As [`prepare`]; another run that has the folder.
+    pub fn prepare(path: &Path, names: &[String], inputs: &[PathBuf], force: bool) -> Result<Self, OutputError> {
+        let earlier = Record::read(path);
+        let own = names.iter().map(String::as_str).chain([Record::NAME]);
+        let outputs: Vec<PathBuf> = own.map(|name| path.join(name)).collect();
+        let scratch = [Self::STATE, Self::LOCK].map(|name| path.join(name));
+        let may_replace = |place: &Place| {
+            if scratch.iter().any(|own| own == place.path()) {
+                return is_scratch(place);
+            }
+            force || owns(&earlier, path, place.path())
+        };
+        let all: Vec<&Path> = outputs.iter().chain(&scratch).map(PathBuf::as_path).collect();
+        make_folder(path)?;
+        prepare(&all, inputs, &may_replace)?;
+        let owned: Vec<PathBuf> = outputs.iter().chain(&scratch).cloned().collect();
+        let lock = Lock::take(&path.join(Self::LOCK), &owned)?;
+        Ok(Self {
+            path: path.to_owned(),
+            // Read again under the lock: a run that had it may have ended since.
+            earlier: Record::read(path),
+            force,
+            _lock: lock,
+        })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes all files or none, and removes what an earlier report wrote here that this one does not and nobody changed; returns the
+    /// names of those.
+    pub fn write(&self, files: &[NamedFile]) -> Result<Vec<String>, OutputError> {
+        let record = Record::of(files.iter().map(|file| (file.name.as_str(), file.bytes.as_slice())));
+        let places: Vec<Place> = files
+            .iter()
+            .map(|file| Place::find(&self.path.join(&file.name)))
+            .collect::<Result<_, _>>()?;
+        for place in &places {
+            // A file that came while the run was on its way, or one that was not foreseen.
+            if place.exists() && !self.force && !owns(&self.earlier, &self.path, place.path()) {
+                return Err(OutputError::Exists {
+                    path: place.path().to_owned(),
+                });
+            }
+        }
+        let record_at = Place::find(&self.path.join(Record::NAME))?;
+        // Should a kill come between two files, both the old and the new ones are known.
+        let both = self.earlier.and(&record).bytes();
+        let mut set: Vec<(&Place, &[u8])> = vec![(&record_at, &both)];
+        set.extend(
+            places
+                .iter()
+                .zip(files)
+                .map(|(place, file)| (place, file.bytes.as_slice())),
+        );
+        write_all(&set)?;
+        let removed = record.remove_others(&self.earlier, &self.path)?;
+        write_all(&[(&record_at, &record.bytes())])?;
+        Ok(removed)
+    }
+}
+
+fn owns(record: &Record, folder: &Path, path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str());
+    name.is_some_and(|name| record.owns(folder, name))
+}

@@ -1,0 +1,166 @@
+use crate::artefact;
+use crate::formats::{self, Format};
+use std::fmt;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// What a file of this field is, told by its content alone: for the message to a user who gave one where another is due.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    Study,
+    Artefact(artefact::Kind),
+    /// Readings of a sample as CSV, or a folder with `sample.toml` and `data.csv`.
+    Sample,
+    /// `sample.toml` by itself.
+    SampleDescription,
+    Goniometric(Format),
+    Draft,
+    /// A table over wavelength.
+    Spectra,
+    /// The document of `check --json`.
+    Check,
+    /// `report.json`.
+    Report,
+    Folder,
+}
+
+/// Bytes of the largest text that is read whole to tell its kind.
+const MOST_TEXT: u64 = 16 << 20;
+
+impl FileKind {
+    /// The kind of the file or folder; `None` where it is not known, or cannot be read.
+    pub fn of(path: &Path) -> Option<Self> {
+        if path.is_dir() {
+            let sample = ["sample.toml", "data.csv"].iter().all(|name| path.join(name).is_file());
+            return Some(if sample { Self::Sample } else { Self::Folder });
+        }
+        // To open a pipe is to wait for ever.
+        if !path.is_file() {
+            return None;
+        }
+        if let Some(kind) = artefact::Kind::of(path) {
+            return Some(Self::Artefact(kind));
+        }
+        let mut bytes = Vec::new();
+        File::open(path).ok()?.take(MOST_TEXT).read_to_end(&mut bytes).ok()?;
+        let of_text = std::str::from_utf8(&bytes).ok().and_then(of_text);
+        of_text.or_else(|| match formats::format_of(path).ok()? {
+            // Square brackets alone, as in a study that cannot be read.
+            Format::Wif => None,
+            format => Some(Self::Goniometric(format)),
+        })
+    }
+
+    /// What to do with such a file.
+    fn remedy(self) -> &'static str {
+        match self {
+            Self::Study => "run it with `specval report STUDY`, `trace`, `measure` or `check`",
+            Self::Artefact(artefact::Kind::Artefact) => {
+                "change its absorption with `specval reabsorb`, or name the study it was made from"
+            }
+            Self::Artefact(artefact::Kind::Shard) => "add shards with `specval merge`",
+            Self::Artefact(artefact::Kind::State) => "go on from it with --resume of the command that left it",
+            Self::Sample => {
+                "compare with it by `specval report --measured SAMPLE`, or test it with `specval check --sample SAMPLE`"
+            }
+            Self::SampleDescription => "name its folder as the sample: `specval report --measured DIR`",
+            Self::Goniometric(_) => {
+                "see it with `specval inspect FILE`, or compare with it by `specval report --measured FILE`"
+            }
+            Self::Draft => "see it with `specval weave FILE`, or name it as `draft` in `[weave]` of a study",
+            Self::Spectra => {
+                "see its colours with `specval colour FILE`, or name it in a study as a dye, an index or a backing"
+            }
+            Self::Check => "compare with it by `specval check --against FILE`",
+            Self::Report => "its study is in `provenance.study`; `specval init` writes a study file",
+            Self::Folder => "name a file in it",
+        }
+    }
+}
+
+impl fmt::Display for FileKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Study => f.write_str("a study"),
+            Self::Artefact(artefact::Kind::Artefact) => f.write_str("the artefact of a trace"),
+            Self::Artefact(artefact::Kind::Shard) => f.write_str("a shard of a trace"),
+            Self::Artefact(artefact::Kind::State) => f.write_str("the state of an unfinished run"),
+            Self::Sample => f.write_str("a measured sample"),
+            Self::SampleDescription => f.write_str("the description of a sample (sample.toml)"),
+            Self::Goniometric(format) => write!(f, "a goniometric file ({format})"),
+            Self::Draft => f.write_str("a weave draft (WIF)"),
+            Self::Spectra => f.write_str("a table of spectra"),
+            Self::Check => f.write_str("the document of `specval check --json`"),
+            Self::Report => f.write_str("the document of a report (report.json)"),
+            Self::Folder => f.write_str("a folder"),
+        }
+    }
+}
+
+/// A file of another kind than is due.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: expected {expected}, found {found}; {}", path.display(), found.remedy())]
+pub struct OtherKind {
+    path: std::path::PathBuf,
+    expected: &'static str,
+    found: FileKind,
+}
+
+impl OtherKind {
+    /// Why a file could not be read, if the reason is that it is none of the kinds that are due. `expected` says those in words.
+    pub fn find(path: &Path, expected: &'static str, due: impl Fn(FileKind) -> bool) -> Option<Self> {
+        let found = FileKind::of(path).filter(|found| !due(*found))?;
+        Some(Self {
+            path: path.to_owned(),
+            expected,
+            found,
+        })
+    }
+}
+
+fn of_text(text: &str) -> Option<FileKind> {
+    let text = text.trim_start_matches('\u{feff}');
+    if text.trim_start().starts_with('{') {
+        let document: serde_json::Value = serde_json::from_str(text).ok()?;
+        let has = |key| document.get(key).is_some();
+        return match () {
+            () if has("gates") && has("subject") => Some(FileKind::Check),
+            () if has("provenance") && has("table1") => Some(FileKind::Report),
+            () => None,
+        };
+    }
+    if text.lines().any(|line| line.trim().eq_ignore_ascii_case("[wif]")) {
+        return Some(FileKind::Draft);
+    }
+    if let Some(kind) = toml::from_str(text).ok().and_then(|table| of_toml(&table)) {
+        return Some(kind);
+    }
+    let header = text
+        .lines()
+        .map(|line| line.trim().trim_matches('"'))
+        .find(|line| !line.is_empty() && !line.starts_with('#') && !line.starts_with("sep="))?;
+    if header.starts_with("theta_i_deg") {
+        Some(FileKind::Sample)
+    } else if header.starts_with("wavelength") {
+        Some(FileKind::Spectra)
+    } else {
+        None
+    }
+}
+
+/// A study has sections of a study, a description the keys of one.
+fn of_toml(table: &toml::Table) -> Option<FileKind> {
+    const SECTIONS: [&str; 14] = [
+        "seed", "spectrum", "medium", "yarn", "weft", "trace", "cloth", "weave", "specular", "rig", "colour",
+        "measured", "sweep", "check",
+    ];
+    let has = |key: &&str| table.contains_key(*key);
+    if ["name", "source", "licence"].iter().all(has) {
+        Some(FileKind::SampleDescription)
+    } else if SECTIONS.iter().any(has) {
+        Some(FileKind::Study)
+    } else {
+        None
+    }
+}

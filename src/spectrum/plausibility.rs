@@ -1,0 +1,189 @@
+//! Whether numbers have the unit that their column asks for. Each rule names the likely unit and the remedy; none of them
+//! changes a value. Shared by samples, spectra and media.
+
+use std::ops::{Bound, RangeBounds};
+
+/// A brightness factor or a fraction is seldom above this in the median, and in per cent seldom below.
+const FRACTION_MEDIAN: f64 = 2.0;
+/// A reflectance of a whole spectrum is above this where the material fluoresces or mirrors, or where it is in per cent.
+const FRACTION_HIGHEST: f64 = 1.5;
+/// Share of the highest value that dark subtraction may leave readings below 0.
+const NOISE: f64 = 0.05;
+/// A right angle in radians, and a little for rounding.
+const QUARTER_TURN_RAD: f64 = 1.6;
+
+/// What fractions (β, reflectances, transmittances; 1 is all) look like that are in per cent: their median is above 2. `None`
+/// for plausible fractions. `what` names the values, such as "beta".
+pub fn per_cent_for_fractions(what: &str, values: impl IntoIterator<Item = f64>) -> Option<String> {
+    let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    let median = *median;
+    (median > FRACTION_MEDIAN).then(|| {
+        format!(
+            "{what} has the median {}, where 1 is a perfect diffuser: these look like per cent; divide them by 100",
+            rounded(median)
+        )
+    })
+}
+
+/// What is doubtful about a spectrum of reflectances or brightness factors (1 is a perfect diffuser): values above 1.5, and
+/// values a little below 0, as dark subtraction leaves them. `what` names the spectrum.
+///
+/// # Errors
+/// A value further below 0 than a twentieth of the highest: what was expected and what was found.
+pub fn reflectances(what: &str, values: &[f64]) -> Result<Vec<String>, String> {
+    let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let mut notices = Vec::new();
+    if highest > FRACTION_HIGHEST {
+        let highest = rounded(highest);
+        notices.push(format!(
+            "{what}: the highest value is {highest}, where 1 is a perfect diffuser; if these are per cent, divide them by 100"
+        ));
+    }
+    let negative = values.iter().filter(|value| **value < 0.0).count();
+    match below_zero(what, lowest, highest, negative) {
+        Ok(notice) => notices.extend(notice),
+        Err([expected, found, remedy]) => return Err(format!("{what}: expected {expected}, found {found}; {remedy}")),
+    }
+    Ok(notices)
+}
+
+/// A notice of readings below 0 by no more than a twentieth of the highest, as dark subtraction leaves them.
+///
+/// # Errors
+/// A lowest reading further below 0: what was expected, what was found, and the remedy.
+pub fn below_zero(what: &str, lowest: f64, highest: f64, count: usize) -> Result<Option<String>, [String; 3]> {
+    if lowest >= 0.0 {
+        return Ok(None);
+    }
+    let (lowest_told, highest_told) = (rounded(lowest), rounded(highest));
+    if lowest < -NOISE * highest {
+        return Err([
+            format!(
+                "values of 0 or more, but for noise of {:.0} % of the highest",
+                100.0 * NOISE
+            ),
+            format!("{lowest_told} where the highest is {highest_told}"),
+            "check the sign and the dark reading".into(),
+        ]);
+    }
+    Ok(Some(format!(
+        "{what}: {count} values are below 0, down to {lowest_told}, as dark subtraction leaves them; they are kept"
+    )))
+}
+
+/// What to do about a value that is outside the bounds of fractions: per cent, or noise below 0.
+pub(super) fn remedy_outside(value: f64, bounds: &impl RangeBounds<f64>) -> Option<&'static str> {
+    let is_bound = |bound: Bound<&f64>, at: f64| matches!(bound, Bound::Included(x) if *x == at);
+    if is_bound(bounds.start_bound(), 0.0) && value < 0.0 {
+        return Some("set to 0 what dark subtraction left below it");
+    }
+    (is_bound(bounds.end_bound(), 1.0) && value > 1.0)
+        .then_some("values in per cent have to be divided by 100, other curves by their highest value")
+}
+
+/// What a particle's diameter in nm looks like that is in another unit, or is none of a particle that scatters light: below 1 nm and
+/// above 100 µm.
+pub fn particle_diameter(diameter_nm: f64) -> Option<String> {
+    const MICROMETRES: std::ops::Range<f64> = 0.0..1.0;
+    const LARGEST_NM: f64 = 1e5;
+    if MICROMETRES.contains(&diameter_nm) {
+        let in_nm = rounded(1000.0 * diameter_nm);
+        return Some(format!(
+            "a particle of {diameter_nm} nm is smaller than a molecule and scatters next to nothing; if that is in micrometres, \
+             write {in_nm}"
+        ));
+    }
+    (diameter_nm > LARGEST_NM).then(|| {
+        let in_nm = rounded(diameter_nm / 1000.0);
+        format!("a particle of {diameter_nm} nm is thicker than a fibre; if that is in picometres, write {in_nm}")
+    })
+}
+
+/// What angles in degrees look like that are in radians: three or more different ones, some beyond a tenth of a radian, and
+/// none beyond a right angle in radians. `None` for plausible degrees.
+pub fn radians_for_degrees(angles_deg: impl IntoIterator<Item = f64>) -> Option<String> {
+    let mut angles: Vec<f64> = angles_deg.into_iter().map(f64::abs).collect();
+    angles.sort_by(f64::total_cmp);
+    angles.dedup();
+    let largest = *angles.last()?;
+    (angles.len() >= 3 && (0.1..=QUARTER_TURN_RAD).contains(&largest)).then(|| {
+        format!(
+            "no angle is beyond {}: these look like radians read as degrees; multiply them by 180/pi = 57.29578",
+            rounded(largest)
+        )
+    })
+}
+
+/// The unit that a number in place of a wavelength in nm seems to have, and what to do. `None` from 100 nm to 3000 nm, and where
+/// no unit makes light of it.
+pub fn wavelength_unit(found_nm: f64) -> Option<&'static str> {
+    match found_nm {
+        0.1..3.0 => Some("this looks like micrometres: multiply the wavelengths by 1000"),
+        3000.0..30_000.0 => Some("this looks like angstroms: divide the wavelengths by 10"),
+        1e-7..3e-6 => Some("this looks like metres: multiply the wavelengths by 1e9"),
+        _ => None,
+    }
+}
+
+/// Three significant digits.
+fn rounded(value: f64) -> f64 {
+    let text = format!("{value:.2e}");
+    text.parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn per_cent_is_told_from_fractions() {
+        assert!(per_cent_for_fractions("beta", [40.0, 38.0, 0.5]).is_some_and(|words| words.contains("median 38")));
+        // A gloss peak is no per cent.
+        assert_eq!(per_cent_for_fractions("beta", [0.4, 0.5, 90.0]), None);
+        assert_eq!(per_cent_for_fractions("beta", [f64::NAN]), None);
+        assert_eq!(per_cent_for_fractions("beta", []), None);
+    }
+
+    #[test]
+    fn reflectances_in_per_cent_or_below_zero_are_told() {
+        assert_eq!(reflectances("red", &[0.0, 0.2, 1.05]), Ok(vec![]));
+        let told = reflectances("red", &[0.2, 69.9]).unwrap();
+        assert!(
+            told[0].contains("69.9") && told[0].contains("divide them by 100"),
+            "{told:?}"
+        );
+        let told = reflectances("red", &[-0.01, -0.002, 0.5]).unwrap();
+        assert!(told[0].contains("2 values are below 0, down to -0.01"), "{told:?}");
+        assert!(reflectances("red", &[-0.03, 0.5]).is_err());
+        assert!(reflectances("red", &[-0.4, -0.3]).is_err());
+    }
+
+    #[test]
+    fn diameters_in_micrometres_are_told() {
+        assert!(particle_diameter(0.15).is_some_and(|words| words.contains("write 150")));
+        assert_eq!((particle_diameter(150.0), particle_diameter(1.0)), (None, None));
+    }
+
+    #[test]
+    fn radians_are_told_from_degrees() {
+        assert!(radians_for_degrees([0.0, -1.0472, 0.5236, 1.2217]).is_some());
+        // One incidence and view, near the normal: degrees for all one knows.
+        assert_eq!(radians_for_degrees([0.0, 0.02, -0.01]), None);
+        assert_eq!(radians_for_degrees([0.0, 1.0]), None);
+        assert_eq!(radians_for_degrees([0.0, 5.0, 10.0]), None);
+    }
+
+    #[test]
+    fn wavelengths_name_their_unit() {
+        assert!(wavelength_unit(0.45).is_some_and(|words| words.contains("micrometres")));
+        assert!(wavelength_unit(4500.0).is_some_and(|words| words.contains("angstroms")));
+        assert!(wavelength_unit(4.5e-7).is_some_and(|words| words.contains("metres")));
+        assert_eq!(wavelength_unit(850.0), None);
+    }
+}

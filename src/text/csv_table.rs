@@ -1,0 +1,482 @@
+//! CSV as RFC 4180 has it and as spreadsheets, R and instruments write it.
+
+use super::decimals::Decimals;
+use super::encoding::decode;
+use super::titles;
+use super::{CsvError, CsvTable, shortened};
+
+/// Comments that are kept.
+const COMMENTS: usize = 20;
+
+impl CsvTable {
+    /// Reads CSV with one header line: fields perhaps in double quotes, separated by commas, semicolons or tabs, whichever
+    /// the header has most of, or the one that a first line `sep=;` names.
+    ///
+    /// Passed over: comments (`#`), empty rows, empty cells behind the last column, a row of units below the header, a column of
+    /// row numbers without a title. Decimal commas are read where a comma separates nothing, and the notices say so.
+    ///
+    /// # Errors
+    /// Bytes that are no text; no header or no row; a row with more or fewer cells than the header; commas that can be decimal or
+    /// of thousands.
+    pub(crate) fn parse(name: &str, bytes: &[u8]) -> Result<Self, Box<CsvError>> {
+        let (text, notice) = lines_of(name, bytes)?;
+        let mut table = Self::parse_text(name, &text)?;
+        table.notices.extend(notice);
+        Ok(table)
+    }
+
+    /// [`CsvTable::parse`] of text whose lines end with `\n`.
+    pub(crate) fn parse_text(name: &str, text: &str) -> Result<Self, Box<CsvError>> {
+        let mut table = Self::new(name);
+        table.header_line = text.lines().count().max(1);
+        let mut rows = Rows::new(text);
+        let mut decimals = Decimals::default();
+        while let Some(row) = rows.next(&mut table.comments) {
+            let row = row.map_err(|e| table.error(e.line, None, e.expected, &e.found, Some(e.remedy)))?;
+            if table.columns.is_empty() {
+                table.header_line = row.line;
+                table.columns = row.cells;
+            } else if rows.count == 2
+                && row.cells.iter().all(|cell| titles::is_unit(cell))
+                && row.cells.iter().any(|cell| cell.parse::<f64>().is_err())
+            {
+                table.check_units(&row)?;
+            } else {
+                let cells = table.fitted(row.cells, row.line, rows.separator, row.is_quoted)?;
+                let cells = cells.into_iter().map(|cell| decimals.cell(cell, row.line));
+                let cells: Vec<String> = cells.collect();
+                table.push(row.line, cells.iter().map(String::as_str));
+            }
+        }
+        if table.columns.is_empty() {
+            return Err(table.error(
+                table.header_line,
+                None,
+                "a header line with column names",
+                "nothing",
+                None,
+            ));
+        }
+        if let Some(ambiguous) = decimals.ambiguous() {
+            let (line, expected, found, remedy) = ambiguous;
+            return Err(table.error(line, None, expected, &found, Some(remedy)));
+        }
+        table.notices.extend(decimals.notice());
+        table.titled()?.complete()
+    }
+
+    /// The cells of a row, as many as there are columns.
+    fn fitted(
+        &self,
+        mut cells: Vec<String>,
+        line: usize,
+        separator: u8,
+        is_quoted: bool,
+    ) -> Result<Vec<String>, Box<CsvError>> {
+        let columns = self.columns.len();
+        let titled = columns - self.columns.iter().rev().take_while(|title| title.is_empty()).count();
+        while cells.len() > columns && cells.last().is_some_and(String::is_empty) {
+            cells.pop();
+        }
+        if cells.len() >= titled && cells.len() < columns {
+            cells.resize(columns, String::new());
+        }
+        // R's write.table gives row names, in quotes, no title.
+        if cells.len() == columns + 1 && is_quoted && cells[0] == (self.len() + 1).to_string() {
+            cells.remove(0);
+        }
+        if cells.len() == columns {
+            return Ok(cells);
+        }
+        let expected = format!("{titled} values ({})", self.columns[..titled].join(","));
+        let found = format!("{}", cells.len());
+        let remedy = match separator {
+            b',' if cells.len() > columns => {
+                "separate values by commas, one for each title; numbers with a decimal comma need semicolons between them"
+            }
+            b',' => "separate values by commas",
+            b';' => "separate values by semicolons, as the titles are",
+            _ => "separate values by tabs, as the titles are",
+        };
+        Err(self.error(line, None, &expected, &found, Some(remedy)))
+    }
+
+    fn check_units(&self, row: &Record) -> Result<(), Box<CsvError>> {
+        for (title, unit) in self.columns.iter().zip(&row.cells) {
+            let name = titles::known(title).unwrap_or(title);
+            if let Some((expected, remedy)) = titles::contradicts(name, unit) {
+                return Err(self.error(row.line, Some(title), expected, &shortened(unit), Some(remedy)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Sees to columns without a title: empty ones and row numbers are dropped, names of rows are titled, others refused.
+    fn titled(mut self) -> Result<Self, Box<CsvError>> {
+        let untitled: Vec<usize> = (0..self.columns.len())
+            .filter(|&c| self.columns[c].is_empty())
+            .collect();
+        let mut dropped = Vec::new();
+        for column in untitled {
+            let counts_from =
+                |first: usize| (0..self.len()).all(|row| self.text(row, column) == (row + first).to_string());
+            if (0..self.len()).all(|row| self.text(row, column).is_empty()) {
+                dropped.push(column);
+            } else if column == 0 && self.len() > 0 && (counts_from(0) || counts_from(1)) {
+                dropped.push(column);
+                self.notices
+                    .push("the first column has no title and counts the rows: passed over".into());
+            } else if column == 0 && (0..self.len()).all(|row| self.text(row, 0).parse::<f64>().is_err()) {
+                self.columns[0] = "name".into();
+            } else {
+                let expected = format!("a title for column {}", column + 1);
+                return Err(self.header_error(&expected, "none", Some("name it or remove it")));
+            }
+        }
+        Ok(self.without(&dropped))
+    }
+}
+
+/// Text of a file with lines that end with `\n`, and a notice of its encoding.
+pub(crate) fn lines_of(name: &str, bytes: &[u8]) -> Result<(String, Option<String>), Box<CsvError>> {
+    match decode(bytes) {
+        Ok(decoded) => {
+            let text = match decoded.text.contains('\r') {
+                true => decoded.text.replace("\r\n", "\n").replace('\r', "\n"),
+                false => decoded.text.into_owned(),
+            };
+            Ok((text, decoded.notice))
+        }
+        Err(not_text) => Err(Box::new(CsvError {
+            name: name.into(),
+            line: not_text.line,
+            column: None,
+            expected: "text in UTF-8, UTF-16 or Latin-1".into(),
+            found: format!("byte 0x{:02x}", not_text.byte),
+            remedy: Some("this is a binary file: export the table as CSV text".into()),
+        })),
+    }
+}
+
+/// One record of CSV.
+struct Record {
+    /// Where it begins.
+    line: usize,
+    /// Without white space around them.
+    cells: Vec<String>,
+    /// Whether its first cell is.
+    is_quoted: bool,
+}
+
+struct RecordError {
+    line: usize,
+    expected: &'static str,
+    found: String,
+    remedy: &'static str,
+}
+
+/// Records that are neither comments nor empty.
+struct Rows<'t> {
+    text: &'t str,
+    reader: csv::Reader<&'t [u8]>,
+    record: csv::StringRecord,
+    separator: u8,
+    /// Byte and line where the next record is looked for.
+    at: usize,
+    line: usize,
+    /// Given out so far.
+    count: usize,
+}
+
+impl<'t> Rows<'t> {
+    fn new(text: &'t str) -> Self {
+        let is_comment =
+            |line: &&str| line.trim().is_empty() || line.trim_start_matches([' ', '\t', '"']).starts_with('#');
+        let (mut start, mut line) = (0, 1);
+        let mut header = "";
+        for content in text.split_inclusive('\n') {
+            header = content;
+            if !is_comment(&content) {
+                break;
+            }
+            start += content.len();
+            line += 1;
+        }
+        // The line that tells a spreadsheet the separator.
+        let stated = header
+            .trim()
+            .trim_matches('"')
+            .strip_prefix("sep=")
+            .or(header.trim().strip_prefix("SEP="));
+        let separator = match stated.map(|stated| stated.trim_matches('"')) {
+            Some(stated) => {
+                (start, line) = (start + header.len(), line + 1);
+                match stated {
+                    ";" => b';',
+                    "" | "\\t" | "\t" => b'\t',
+                    _ => b',',
+                }
+            }
+            None => {
+                (start, line) = (0, 1);
+                separator_of(header)
+            }
+        };
+        let reader = csv::ReaderBuilder::new()
+            .delimiter(separator)
+            .terminator(csv::Terminator::Any(b'\n'))
+            .comment(Some(b'#'))
+            .flexible(true)
+            .has_headers(false)
+            .from_reader(&text.as_bytes()[start..]);
+        Self {
+            text: &text[start..],
+            reader,
+            record: csv::StringRecord::new(),
+            separator,
+            at: 0,
+            line,
+            count: 0,
+        }
+    }
+
+    fn next(&mut self, comments: &mut Vec<String>) -> Option<Result<Record, RecordError>> {
+        let mut comment = |text: &str| {
+            let words = text.trim_matches(['"', '#', ' ', '\t', '\n', ',', ';']);
+            if comments.len() < COMMENTS && !words.is_empty() {
+                comments.push(words.to_owned());
+            }
+        };
+        loop {
+            let is_there = match self.reader.read_record(&mut self.record) {
+                Ok(is_there) => is_there,
+                Err(e) => {
+                    return Some(Err(RecordError {
+                        line: self.line,
+                        expected: "a CSV record",
+                        found: e.to_string(),
+                        remedy: "export the table again",
+                    }));
+                }
+            };
+            let end = (self.reader.position().byte() as usize).min(self.text.len());
+            let mut raw = &self.text[self.at..end];
+            self.at = end;
+            // The reader passes over comments and empty lines.
+            while let Some((first, rest)) = raw
+                .split_once('\n')
+                .filter(|(first, _)| first.is_empty() || first.starts_with('#'))
+            {
+                comment(first);
+                self.line += 1;
+                raw = rest;
+            }
+            if !is_there {
+                return None;
+            }
+            let line = self.line;
+            self.line += raw.matches('\n').count();
+            let is_quoted = raw.starts_with('"');
+            if is_unclosed(raw, self.separator, end == self.text.len()) {
+                return Some(Err(RecordError {
+                    line,
+                    expected: "a closing quotation mark",
+                    found: shortened(raw.trim_end()),
+                    remedy: "close the quotation mark, or double it where it is a character of the text",
+                }));
+            }
+            let cells: Vec<String> = self.record.iter().map(|cell| bare(cell).to_owned()).collect();
+            let rest_is_empty = cells[1..].iter().all(String::is_empty);
+            // A quoted comment is one of a spreadsheet, which adds empty cells; a quoted name may begin with the mark, too.
+            if cells[0].starts_with('#') && (!is_quoted || rest_is_empty || self.count == 0) {
+                comment(raw);
+                continue;
+            }
+            if cells[0].is_empty() && rest_is_empty {
+                continue;
+            }
+            self.count += 1;
+            return Some(Ok(Record { line, cells, is_quoted }));
+        }
+    }
+}
+
+/// The separator that a header has most of outside quotes.
+fn separator_of(header: &str) -> u8 {
+    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
+    let mut quoted = false;
+    for byte in header.trim_end().bytes() {
+        quoted ^= byte == b'"';
+        if let Some((_, count)) = counts.iter_mut().find(|(separator, _)| !quoted && *separator == byte) {
+            *count += 1;
+        }
+    }
+    // The first of equals.
+    counts
+        .iter()
+        .rev()
+        .max_by_key(|(_, count)| *count)
+        .map_or(b',', |(separator, _)| *separator)
+}
+
+/// Whether quotes of a record stay open to the end of the file.
+fn is_unclosed(raw: &str, separator: u8, is_last: bool) -> bool {
+    let opens = || raw.starts_with('"') || raw.as_bytes().windows(2).any(|pair| pair == [separator, b'"']);
+    is_last && raw.matches('"').count() % 2 == 1 && opens()
+}
+
+/// A cell without white space, and without quotes that had white space before them.
+fn bare(cell: &str) -> &str {
+    let cell = cell.trim();
+    let inner = cell.strip_prefix('"').and_then(|inner| inner.strip_suffix('"'));
+    inner.map_or(cell, str::trim)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cells(text: &str) -> Vec<Vec<String>> {
+        let table = CsvTable::parse("t.csv", text.as_bytes()).unwrap_or_else(|e| panic!("{text:?}: {e}"));
+        let row = |row| {
+            (0..table.columns().len())
+                .map(|c| table.text(row, c).to_owned())
+                .collect()
+        };
+        std::iter::once(table.columns().to_vec())
+            .chain((0..table.len()).map(row))
+            .collect()
+    }
+
+    #[test]
+    fn names_the_line_whatever_comes_before_it() {
+        for end in ["\n", "\r\n", "\r"] {
+            let text = [
+                "\u{feff}# one",
+                "",
+                "# it's 5\" wide",
+                "a,b",
+                "",
+                "1,2",
+                " # three",
+                "\"1\",\"x",
+                "y\"",
+                "\"#\",",
+                "3,x",
+            ];
+            let table = CsvTable::parse("t.csv", text.join(end).as_bytes()).unwrap();
+            assert_eq!(
+                (table.columns(), table.len()),
+                (&["a".to_owned(), "b".to_owned()][..], 3)
+            );
+            assert_eq!(table.number(0, 1, "b in mm"), Ok(2.0));
+            assert_eq!((table.text(1, 1), table.line(1)), ("x\ny", 8));
+            let error = table.number(2, 1, "b in mm").unwrap_err();
+            assert_eq!(error.to_string(), "t.csv, line 11, column b: expected b in mm, found x");
+            assert_eq!(table.comments(), ["one", "it's 5\" wide", "three"]);
+        }
+    }
+
+    /// One table as spreadsheets, R and instruments write it.
+    #[test]
+    fn usual_ways_of_writing_one_table() {
+        let expected = cells("wavelength_nm,red\n390,0.25\n400,0.5\n");
+        for text in [
+            "\"wavelength_nm\",\"red\"\n390,0.25\n400,0.5\n",
+            "\"\",\"wavelength_nm\",\"red\"\n\"1\",390,0.25\n\"2\",400,0.5\n",
+            "\"wavelength_nm\",\"red\"\n\"1\",390,0.25\n\"2\",400,0.5\n",
+            ",wavelength_nm,red\n0,390,0.25\n1,400,0.5\n",
+            "wavelength_nm;red\n390;0.25\n400;0.5\n",
+            "wavelength_nm\tred\n390\t0.25\n400\t0.5\n",
+            "wavelength_nm;red\n390;0,25\n400;0,5\n",
+            "wavelength_nm,red\n390,\"0,25\"\n400,\"0,5\"\n",
+            "sep=;\nwavelength_nm;red\n390;0,25\n400;0,5\n",
+            "sep=,\nwavelength_nm,red\n390,0.25\n400,0.5\n",
+            "\"sep=,\"\nwavelength_nm,red\n390,0.25\n400,0.5\n",
+            "wavelength_nm,red,,\n390,0.25,,\n400,0.5,,\n,,,\n",
+            "wavelength_nm,red\n390,0.25,\n400,0.5,,\n",
+            "wavelength_nm,,red\n390,,0.25\n400,,0.5\n",
+            "Wavelength (nm), red\n390, 0.25\n400, \"0.5\"\n",
+            "lambda,red\nnm,1\n390,0.25\n400,0.5\n",
+            "wl,red\n(nm),\n390,0.25\n400,0.5\n",
+            "\"# study, seed 1\",\n# more,\nwavelength_nm,red\n390,0.25\n400,0.5\n",
+        ] {
+            assert_eq!(cells(text), expected, "{text:?}");
+        }
+        assert_eq!(cells("a,b\n\"x \"\"y\"\", z\",1\n")[1], ["x \"y\", z", "1"]);
+        assert_eq!(cells("\"name\",\"390\"\n\"#1\",0.5\n")[1], ["#1", "0.5"]);
+        assert_eq!(cells("\"\",\"390\"\n\"red\",0.5\n")[0], ["name", "390"]);
+        let notices = CsvTable::parse("t", b"a;b\n1;0,25\n").unwrap().notices().join(" ");
+        assert!(notices.contains("0,25 on line 2: read as 0.25"), "{notices}");
+    }
+
+    #[test]
+    fn utf_16_and_latin_1() {
+        let text = "\u{feff}# \u{b5}m\nwavelength_nm,r\u{e9}d\n390,1\n";
+        let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        let latin: Vec<u8> = text.chars().skip(1).map(|c| c as u8).collect();
+        for (bytes, notices) in [(little, 0), (big, 0), (latin, 1)] {
+            let table = CsvTable::parse("t", &bytes).unwrap();
+            assert_eq!(
+                (table.columns()[1].as_str(), table.line(0), table.notices().len()),
+                ("r\u{e9}d", 3, notices)
+            );
+        }
+    }
+
+    #[test]
+    fn columns_of_wavelengths_become_rows() {
+        let table = CsvTable::parse("t", b"theta_i_deg,R450,550 nm\n0,0.1,0.2\n10,0.3,0.4\n")
+            .unwrap()
+            .long();
+        assert_eq!(table.columns(), ["theta_i_deg", "wavelength_nm", "beta"]);
+        let row = |row: usize| [0, 1, 2].map(|column| table.number(row, column, "").unwrap());
+        assert_eq!([row(0), row(3)], [[0.0, 450.0, 0.1], [10.0, 550.0, 0.4]]);
+        assert_eq!((table.len(), table.line(2), table.line(3)), (4, 3, 3));
+    }
+
+    #[test]
+    fn refuses_what_has_no_one_meaning() {
+        for (text, line, says) in [
+            ("", 1, "header line"),
+            ("# only a comment\n", 1, "header line"),
+            ("a,b\n", 1, "at least one row"),
+            ("a,a\n1,2\n", 1, "'a' twice"),
+            ("wl,lambda\n1,2\n", 1, "'wavelength_nm' twice"),
+            ("a,b\n1,2\n1\n", 3, "2 values (a,b), found 1"),
+            ("a,b\n1,2,3\n", 2, "found 3"),
+            ("wavelength_nm,red\n390,0,2\n", 2, "decimal comma need semicolons"),
+            (
+                "a;b\n1;0,2\n2;0.3\n",
+                2,
+                "a comma in 0,2 and, on line 3, a point in 0.3",
+            ),
+            (
+                "a;b\n1;1,234\n",
+                2,
+                "1,234, whose comma can be a decimal mark or one of thousands",
+            ),
+            ("a,b\n1,\"2\n3,4\n", 2, "a closing quotation mark"),
+            ("a,,b\n1,2,3\n", 1, "a title for column 2"),
+            (",a\n5,2\n", 1, "a title for column 1"),
+            (
+                "theta_i_deg,b\nrad,1\n1,2\n",
+                2,
+                "expected deg, found rad; multiply radians by 57.29578",
+            ),
+            ("wl,b\n\u{b5}m,1\n1,2\n", 2, "multiply micrometres by 1000"),
+            ("wl,b\nnm,%\n1,2\n", 2, "divide values in per cent by 100"),
+        ] {
+            let error = CsvTable::parse("t", text.as_bytes()).unwrap_err();
+            assert!(
+                error.line == line && error.to_string().contains(says),
+                "{text:?}: {error}"
+            );
+        }
+        for bytes in [&b"a,b\n1,\0\n"[..], b"\x89PNG\r\n\x1a\n", &[0xff; 64]] {
+            let error = CsvTable::parse("t", bytes).unwrap_err();
+            assert!(error.expected.contains("text in UTF-8"), "{error}");
+        }
+    }
+}
