@@ -161,8 +161,15 @@ fn a_users_dye_file() {
         let error = read_spectrum(file(text).path(), 0.0..=1.0).unwrap_err().to_string();
         assert!(error.contains(remedy), "{text:?}: {error}");
     }
-    for text in ["Wavelength (nm);Value\n400;0,5\n500;1\n", "\"lambda\",\"K/S\"\n400,0.5\n500,1\n"] {
-        assert_eq!(read_spectrum(file(text).path(), 0.0..=1.0).unwrap().at(450.0).unwrap(), 0.75, "{text:?}");
+    for text in [
+        "Wavelength (nm);Value\n400;0,5\n500;1\n",
+        "\"lambda\",\"K/S\"\n400,0.5\n500,1\n",
+    ] {
+        assert_eq!(
+            read_spectrum(file(text).path(), 0.0..=1.0).unwrap().at(450.0).unwrap(),
+            0.75,
+            "{text:?}"
+        );
     }
     assert!(matches!(
         read_spectrum(std::path::Path::new("/nowhere/at/all.csv"), 0.0..=1.0),
@@ -182,7 +189,10 @@ fn spectra_by_column_and_by_row_are_the_same() {
     assert_eq!(columns[1].1.values(), [-3.0, 4.0]);
     // Without names a row has its number, and two titles may be values.
     let unnamed = read_spectra(file("400 nm;500 nm;600 nm\n1;2,5;3\n").path()).unwrap();
-    assert_eq!((unnamed[0].0.as_str(), unnamed[0].1.values()), ("1", &[1.0, 2.5, 3.0][..]));
+    assert_eq!(
+        (unnamed[0].0.as_str(), unnamed[0].1.values()),
+        ("1", &[1.0, 2.5, 3.0][..])
+    );
     for bad in [
         "400,500\n1,2\n",
         "name,0.4,0.5\na,1,2\n",
@@ -202,7 +212,17 @@ fn spectra_in_cgats_text() {
                   NUMBER_OF_FIELDS 4\nBEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME\n SPEC_400 SPEC_500 # bands\nEND_DATA_FORMAT\n\
                   NUMBER_OF_SETS 2\nBEGIN_DATA\n1 \"first one\" 1 2\n\n2\tsecond -3 4\nEND_DATA\n# the end\n";
     let expected = vec![[1.0, 2.0], [-3.0, 4.0]];
-    for field in ["SPEC_", "SPECTRAL_NM", "SPECTRAL_NM_", "SPECTRAL_", "nm", "R_", "R", "", "X"] {
+    for field in [
+        "SPEC_",
+        "SPECTRAL_NM",
+        "SPECTRAL_NM_",
+        "SPECTRAL_",
+        "nm",
+        "R_",
+        "R",
+        "",
+        "X",
+    ] {
         let found = read_spectra(file(&by_set.replace("SPEC_", field)).path()).unwrap();
         let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, ["first one", "second"], "{field}");

@@ -72,6 +72,9 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         None => {}
     }
     let plan = Plan::new(study)?;
+    for notice in plan.notices() {
+        terminal.notice(&notice);
+    }
     if arguments.full.full {
         // The study's method is that of curves; a full BSDF is the ground truth unless asked otherwise.
         let method = match arguments.method {

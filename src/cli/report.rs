@@ -42,6 +42,8 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         notices.push("--quick: paths and camera rays are reduced; `study` holds the numbers that were used".into());
     }
     let plan = Plan::new(study)?;
+    // Refused before the simulation; the report tells what is only doubtful.
+    plan.colour_notices()?;
     let folder = OutputFolder::prepare(&arguments.out)?;
     let geometries = run::report_geometries(&plan);
     let stopping = &arguments.stopping;

@@ -36,6 +36,9 @@ struct ShardWith {
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
     let plan = Plan::new(study::load(arguments.study.as_deref(), options)?)?;
+    for notice in plan.notices() {
+        terminal.notice(&notice);
+    }
     check_writable(&arguments.out)?;
     let tracer = YarnTracer::new(&plan)?;
     match arguments.shard {

@@ -29,7 +29,7 @@ pub(crate) use curves::directions;
 pub use full::{Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Incidence, Symmetry, symmetries};
 pub use light::{FactorCloth, VolumetricCloth};
 pub(crate) use plan::dye_on;
-pub use plan::{Plan, RunError, medium};
+pub use plan::{Plan, RunError, medium, unit_notices};
 pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};
 pub use report::{report, report_geometries};
 pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};

@@ -43,6 +43,8 @@ pub fn report(
     progress: Progress,
 ) -> Result<ReportData, RunError> {
     let mut notices = notices;
+    notices.extend(plan.notices());
+    notices.extend(plan.colour_notices()?);
     let mut fallbacks = Vec::new();
     let curves = &simulation.curves;
     let normal = normal_place(&curves.geometries);
