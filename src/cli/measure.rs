@@ -82,14 +82,11 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
             Some(Method::Volumetric) | None => MethodChoice::Volumetric,
         };
         let (files, terminal) = full::claim_files(out, &arguments.full, &inputs, &arguments.replace, options)?;
-        return full::run(
-            &study::plan(study)?,
-            method,
-            &files,
-            &arguments.full,
-            options,
-            &terminal,
-        );
+        let plan = study::plan(study)?;
+        for notice in plan.notices() {
+            terminal.notice(&notice);
+        }
+        return full::run(&plan, method, &files, &arguments.full, options, &terminal);
     }
     let energy_file = beside(out, ".energy.csv");
     let mut outputs = vec![out];
@@ -98,7 +95,8 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     }
     let (places, terminal) = &claim(&outputs, &inputs, &arguments.replace, options)?;
     let plan = study::plan(study)?;
-    let notice = grazing_notice(&plan).map_err(RunError::from)?;
+    let mut notices = plan.notices();
+    notices.extend(grazing_notice(&plan).map_err(RunError::from)?);
     let scratch = Scratch::take(out, &inputs, arguments.stopping.limits.resume)?;
     let wavelengths = plan.grid.len();
     let stopping = &arguments.stopping;
@@ -128,7 +126,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         // Only what the study does not say by itself; a comment to the reader of samples.
         text.extend(format!("# {effort}\n").into_bytes());
     }
-    if let Some(notice) = &notice {
+    for notice in &notices {
         terminal.notice(notice);
         text.extend(format!("# {notice}\n").into_bytes());
     }

@@ -36,7 +36,7 @@ pub use grazing::{grazing_notice, white_albedo};
 pub use inputs::{input_files, sample_files};
 pub use light::{FactorCloth, VolumetricCloth};
 pub(crate) use plan::dye_on;
-pub use plan::{Plan, RunError, medium};
+pub use plan::{Plan, RunError, medium, unit_notices};
 pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};
 pub use report::{report, report_geometries};
 pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};

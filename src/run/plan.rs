@@ -11,7 +11,7 @@ use crate::rig::{PixelSamples, Rig, RigError};
 use crate::run::ShardError;
 use crate::sample::{Sample, SampleError};
 use crate::shading::{Distribution, FibreGloss, ShadingError, Specular};
-use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_spectrum, tables};
+use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, plausibility, read_spectrum, tables};
 use crate::study::{
     CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable,
     SpecularSection, Study, StudyError, SurfaceChoice, TraceSection, WeaveChoice,
@@ -173,6 +173,33 @@ impl Plan {
             grid,
             study,
         })
+    }
+
+    /// What makes numbers of this study doubtful whatever is done with them, for the user.
+    pub fn notices(&self) -> Vec<String> {
+        unit_notices(&self.study)
+    }
+
+    /// What makes the colours of model and sample doubtful, for the user; what needs no colour needs none of it.
+    ///
+    /// # Errors
+    /// Wavelengths of the study or of the sample that carry no colour.
+    pub fn colour_notices(&self) -> Result<Vec<String>, RunError> {
+        self.colour.require()?;
+        let mut notices = Vec::new();
+        if let Some(why) = self.colour.doubt() {
+            notices.push(format!(
+                "the model's colours are doubtful: the study has few wavelengths for them: {why}; take [spectrum] 390..730 nm in \
+                 steps of 10 nm"
+            ));
+        }
+        if let Some(why) = self.sample.colour_doubt(self.colour.convention())? {
+            notices.push(format!(
+                "the measured colours, and those of the classical shading made from them, are doubtful: {why}; measure 400..700 nm \
+                 in steps of 20 nm at most"
+            ));
+        }
+        Ok(notices)
     }
 
     /// Axes of the stored BSSRDF of a yarn.
@@ -362,6 +389,20 @@ fn medium_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) 
         },
     };
     Ok(Medium::new(&spec, grid)?)
+}
+
+/// Numbers of a study's media that look like those of another unit.
+pub fn unit_notices(study: &Study) -> Vec<String> {
+    let weft = study.weft.medium(&study.medium);
+    let mut media = vec![("medium", study.medium.particle_diameter_nm)];
+    if weft.particle_diameter_nm != study.medium.particle_diameter_nm {
+        media.push(("weft", weft.particle_diameter_nm));
+    }
+    let told = |(section, diameter_nm)| {
+        let doubt = plausibility::particle_diameter(diameter_nm)?;
+        Some(format!("`{section}.particle_diameter_nm`: {doubt}"))
+    };
+    media.into_iter().filter_map(told).collect()
 }
 
 /// The medium of a valid study alone.

@@ -44,6 +44,8 @@ pub fn report(
 ) -> Result<ReportData, RunError> {
     let mut notices = notices;
     notices.extend(grazing_notice(plan)?);
+    notices.extend(plan.notices());
+    notices.extend(plan.colour_notices()?);
     let mut fallbacks = Vec::new();
     let curves = &simulation.curves;
     let normal = normal_place(&curves.geometries);

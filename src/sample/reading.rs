@@ -75,6 +75,7 @@ impl Sample {
             }
             Axis::Wavelengths(grid) => {
                 let system = ColourSystem::new(grid, convention.clone())?;
+                system.require()?;
                 let xyz = system.xyz(&row.beta);
                 let [r, g, b] = system.linear_rgb(xyz).0;
                 ([r, g, b, xyz.y], system.channel_weights())
@@ -106,6 +107,22 @@ impl Sample {
             ColourSystem::new(grid, convention.clone())?;
         }
         Ok(())
+    }
+
+    /// Why the colours of these spectral data are doubtful, or missing, under a convention.
+    pub fn colour_doubt(&self, convention: &Convention) -> Result<Option<String>, SampleError> {
+        let axis = match &self.data {
+            Data::Curves(curves) => curves.axis(),
+            Data::Goniometric(data) => data.axis(),
+            Data::Ratios(_) => return Ok(None),
+        };
+        match axis {
+            Axis::Wavelengths(grid) => {
+                let system = ColourSystem::new(grid, convention.clone())?;
+                Ok(system.doubt().map(str::to_owned))
+            }
+            Axis::Rgb | Axis::Xyz => Ok(None),
+        }
     }
 
     /// β(λ) at a geometry, on the wavelengths of the sample, interpolated as [`Sample::reading`] does; `None` for RGB data.
