@@ -31,8 +31,8 @@ pub use full::{Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Inci
 pub(crate) use grazing::hemisphere;
 pub use grazing::{grazing_notice, white_albedo};
 pub use light::{FactorCloth, VolumetricCloth};
-pub(crate) use plan::dye_on;
 pub use plan::{Plan, RunError, medium};
+pub(crate) use plan::{dye_on, medium_spec};
 pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};
 pub use report::{report, report_geometries};
 pub use simulate::{Batch, Simulation, Simulator, energy_rows, simulate};
