@@ -8,11 +8,11 @@ use crate::transport::{Purpose, Stream};
 use crate::yarn::{DirectBatch, FactorWeights};
 use rayon::prelude::*;
 
-const ENERGY: Law = Law {
+pub const ENERGY: Law = Law {
     name: "cloth-energy",
     words: "the cloth reflects, transmits and absorbs no more light than falls on it",
 };
-const ALBEDO: Law = Law {
+pub const ALBEDO: Law = Law {
     name: "cloth-albedo",
     words: "what the cloth reflects and transmits is between 0 and 1 at every wavelength",
 };

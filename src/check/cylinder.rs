@@ -8,7 +8,7 @@ use crate::yarn::{Effort, FarFieldGrid, FarFieldTracer, Yarn};
 use std::f64::consts::FRAC_PI_2;
 use std::iter::zip;
 
-const LAW: Law = Law {
+pub const LAW: Law = Law {
     name: "cylinder",
     words: "without particles the cylinder, empty or absorbing, reflects, transmits and absorbs as its closed form says",
 };

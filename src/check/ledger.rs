@@ -15,11 +15,11 @@ const SHARED: Law = Law {
     name: "ledger-shared",
     words: "shared paths: the same sum and what the balance heuristic took less what it gave are 1",
 };
-const SHARING: Law = Law {
+pub const SHARING: Law = Law {
     name: "sharing",
     words: "shared paths: the balance heuristic takes as much as it gives",
 };
-const ROULETTE: Law = Law {
+pub const ROULETTE: Law = Law {
     name: "roulette",
     words: "roulette takes as much as it gives, as the study plays it and played at every step",
 };

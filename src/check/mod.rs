@@ -3,14 +3,19 @@
 //! [`study`] tests a study, [`sample`](fn@sample) a measurement, [`Baseline`] against what an earlier check found; a
 //! [`Checked`] is rendered by [`table`], [`junit`], [`annotations`] and serde.
 
+mod attenuation;
 mod baseline;
 mod camera;
+mod cells;
 mod cloth;
 mod cylinder;
+mod estimates;
 mod gate;
 mod ledger;
 mod medium;
 mod output;
+mod particles;
+mod reabsorption;
 mod rig;
 mod sample;
 mod symmetry;
@@ -122,15 +127,25 @@ pub struct Context<'a> {
 const SINGLE_PRECISION: f64 = 1e-6;
 const DOUBLE_PRECISION: f64 = 1e-12;
 
-/// Gates with a chance to break, between whom the false alarms of a run are divided.
-const STOCHASTIC_GATES: f64 = 10.0;
+/// Laws in the mean, which have a chance to break: the false alarms of a run are divided between them.
+const IN_THE_MEAN: [Law; 9] = [
+    medium::ANGLE,
+    cylinder::LAW,
+    ledger::SHARING,
+    ledger::ROULETTE,
+    tables::ROADS,
+    symmetry::RECIPROCITY,
+    symmetry::MIRROR,
+    cloth::ENERGY,
+    cloth::ALBEDO,
+];
 
 impl<'a> Context<'a> {
     fn new(plan: &'a Plan, effort: CheckEffort) -> Self {
         Self {
             plan,
             judge: Judge {
-                level: plan.study.check.false_alarms / STOCHASTIC_GATES,
+                level: plan.study.check.false_alarms / IN_THE_MEAN.len() as f64,
                 paths: effort.paths,
                 precision: match plan.yarn.estimator_in_use() {
                     Estimator::Shared => SINGLE_PRECISION,
@@ -261,11 +276,20 @@ pub fn study(plan: &Plan, effort: CheckEffort, progress: Progress) -> Result<Che
         camera::mirror_gloss(context)?,
     ]);
     gates.extend(weave::gates(context)?);
+    gates.extend([
+        cells::lookup(context),
+        estimates::standard_errors(context)?,
+        estimates::normalisation(context)?,
+    ]);
+    gates.extend(particles::gates(context)?);
     progress(0.05);
     if passive.verdict == Verdict::Broken {
         gates.push(Gate::undecided(TRACED).with_note("not traced: the medium is not passive"));
         return Ok(Checked::new(gates, Vec::new(), subject));
     }
+    gates.extend(attenuation::gates(context)?);
+    gates.push(cells::straight(context)?);
+    gates.push(reabsorption::gate(context)?);
     gates.push(medium::angles(context)?);
     gates.push(cylinder::closed_forms(context)?);
     progress(0.1);

@@ -1,5 +1,7 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use crate::fault::{self, Fault};
+
 use super::propagation::{Channels, Estimate, Propagation, check};
 use super::{Channel, CompareError, Geometry, Inputs, RmseRatio, Source, Verdict};
 
@@ -74,7 +76,12 @@ impl<'a> Curves<'a> {
 
     /// measured/source luminance at the normal; 1 for the measurement itself.
     pub(super) fn coefficient(&self, source: Source, model: &[Channels], measured: &[Option<Channels>]) -> f64 {
-        let raw = |source| self.raw(source, self.normal, Channel::Y, model, measured);
+        let channel = if fault::active(Fault::NormalisedByRed) {
+            Channel::R
+        } else {
+            Channel::Y
+        };
+        let raw = |source| self.raw(source, self.normal, channel, model, measured);
         match source {
             Source::Measured => 1.0,
             _ => raw(Source::Measured) / raw(source),

@@ -366,6 +366,10 @@ impl MediumSpectra {
 
 /// The medium of a study's section on a grid.
 fn medium_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) -> Result<Medium, RunError> {
+    Ok(Medium::new(&spec_of(of, spectra, grid)?, grid)?)
+}
+
+fn spec_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) -> Result<MediumSpec, RunError> {
     let kappa = spectra
         .dye
         .on(grid)?
@@ -373,7 +377,7 @@ fn medium_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) 
         .iter()
         .map(|share| of.kappa_peak * share)
         .collect();
-    let spec = MediumSpec {
+    Ok(MediumSpec {
         host_index: spectra.host_index,
         particle_index: spectra.particle_index,
         particle_kappa: Spectrum::Table {
@@ -387,8 +391,12 @@ fn medium_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) 
             InterferenceChoice::Independent => Interference::Independent,
             InterferenceChoice::PercusYevick => Interference::PercusYevick,
         },
-    };
-    Ok(Medium::new(&spec, grid)?)
+    })
+}
+
+/// What the warp's medium of a study is made of, on a grid.
+pub(crate) fn medium_spec(study: &Study, grid: &WavelengthGrid) -> Result<MediumSpec, RunError> {
+    spec_of(&study.medium, MediumSpectra::read("medium", &study.medium, grid)?, grid)
 }
 
 /// Numbers of a study's media that look like those of another unit.
