@@ -11,6 +11,7 @@ pub mod compare;
 pub mod fault;
 pub mod formats;
 pub mod geometry;
+pub mod number;
 pub mod optics;
 pub mod report;
 pub mod rig;

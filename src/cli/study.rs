@@ -26,7 +26,8 @@ pub fn load(path: Option<&Path>, options: &Options) -> Result<Study, LoadError> 
                 path: path.to_owned(),
                 cause,
             })?;
-            Study::from_toml(&text, &path.display().to_string())?
+            let study = Study::from_toml(&text, &path.display().to_string())?;
+            study.at_folder(path.parent().unwrap_or(Path::new("")))
         }
     };
     if let Some(seed) = options.seed {
@@ -37,6 +38,9 @@ pub fn load(path: Option<&Path>, options: &Options) -> Result<Study, LoadError> 
         study.trace.paths_direct = paths.get();
         study.trace.particles = paths.get();
         study.trace.particles_volumetric = paths.get();
+        for key in ["paths_bssrdf", "paths_direct", "particles", "particles_volumetric"] {
+            study.origin.forget(&format!("trace.{key}"));
+        }
     }
     study.validate()?;
     Ok(study)
