@@ -51,6 +51,10 @@ struct EnergyRow {
     through_gaps_se: f64,
     absorbed: f64,
     absorbed_se: f64,
+    reflection_dropped: f64,
+    reflection_dropped_se: f64,
+    bounces_cut: f64,
+    bounces_cut_se: f64,
     games: f64,
     games_se: f64,
     residual: f64,
@@ -170,11 +174,22 @@ fn energy_rows(plan: &Plan, incidences_deg: &[f64], cloth: &[Vec<ClothLedger>]) 
     let cells = cloth.first().map_or(0, Vec::len);
     let row = |i: usize| {
         let estimate = |of: fn(&ClothLedger) -> f64| Estimate::from_batches(cloth.iter().map(|batch| of(&batch[i])));
-        let [reflected, through_yarns, through_gaps, absorbed, games, residual] = [
+        let [
+            reflected,
+            through_yarns,
+            through_gaps,
+            absorbed,
+            dropped,
+            cut,
+            games,
+            residual,
+        ] = [
             estimate(|ledger| ledger.reflected),
             estimate(|ledger| ledger.through_yarns),
             estimate(|ledger| ledger.through_gaps),
             estimate(|ledger| ledger.absorbed),
+            estimate(|ledger| ledger.reflection_dropped),
+            estimate(|ledger| ledger.bounces_cut),
             estimate(|ledger| ledger.games),
             estimate(ClothLedger::residual),
         ];
@@ -189,6 +204,10 @@ fn energy_rows(plan: &Plan, incidences_deg: &[f64], cloth: &[Vec<ClothLedger>]) 
             through_gaps_se: through_gaps.se,
             absorbed: absorbed.value,
             absorbed_se: absorbed.se,
+            reflection_dropped: dropped.value,
+            reflection_dropped_se: dropped.se,
+            bounces_cut: cut.value,
+            bounces_cut_se: cut.se,
             games: games.value,
             games_se: games.se,
             residual: residual.value,

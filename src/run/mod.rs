@@ -4,6 +4,7 @@ mod approximations;
 mod artefact;
 mod batches;
 mod camera;
+mod cloth_keys;
 mod curves;
 mod file_kind;
 mod full;
