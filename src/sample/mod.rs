@@ -4,6 +4,7 @@
 mod data;
 mod goniometric;
 mod load;
+pub mod plausibility;
 mod reading;
 
 pub use data::{PublishedRatios, RatioRange};
