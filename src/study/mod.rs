@@ -18,7 +18,7 @@ use crate::spectrum::Samples;
 pub use error::{Place, StudyError};
 pub use sections::{
     Bounces, CentreLineChoice, CheckSection, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
-    InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection, ShadeWith,
+    GeometryChoice, InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection, ShadeWith,
     SpectrumSection, SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeaveChoice, WeaveSection,
     WeftSection, YarnSection,
 };

@@ -4,7 +4,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::fields::{self, Field, Kind, Section};
 use super::keys::SECTIONS;
-use super::{Place, Study, StudyError};
+use super::{GeometryChoice, Place, RigSection, Study, StudyError};
 
 type Spanned<T> = toml::Spanned<T>;
 
@@ -48,7 +48,12 @@ pub(super) fn study(text: &str, file: &str) -> Result<Study, StudyError> {
     if let Some((_, first)) = faults.into_iter().min_by_key(|(offset, _)| *offset) {
         return Err(first);
     }
-    let study: Study = toml::from_str(text).map_err(|e| source.syntax(&e))?;
+    let mut study: Study = toml::from_str(text).map_err(|e| source.syntax(&e))?;
+    let rig = document.get_ref().get("rig").and_then(|rig| rig.get_ref().as_table());
+    if rig.is_some_and(|rig| !rig.contains_key("geometries") && RigSection::ANGLES.iter().any(|key| rig.contains_key(*key)))
+    {
+        study.rig.geometries = GeometryChoice::Rig;
+    }
     study
         .validate()
         .map_err(|error| located(&source, document.get_ref(), error))?;
