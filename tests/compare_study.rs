@@ -3,11 +3,11 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use specval::colour::{ColourSystem, Convention};
 use specval::compare::{
     Channel, Channels, CompareError, Comparison, Geometry, Inputs, Propagation, RmseRatio, Source, Verdict, hue,
     model_colour_ratios,
 };
-use specval::colour::{ColourSystem, Convention};
 use specval::sample::{Reading, Sample};
 use specval::spectrum::WavelengthGrid;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -463,11 +463,20 @@ fn without_the_normal_the_nearest_reading_normalises() {
     let comparison = run(&doubled);
     assert_eq!(comparison.reference, geometries[1]);
     assert_eq!(comparison.normalisation.unwrap().model.value, 0.5);
-    assert!(comparison.rmse.iter().all(|rmse| rmse.theta_i_deg == 45.0 && rmse.views == 3));
+    assert!(
+        comparison
+            .rmse
+            .iter()
+            .all(|rmse| rmse.theta_i_deg == 45.0 && rmse.views == 3)
+    );
     // A model without light is compared as it is.
     let dark = run(&vec![[0.0; 4]; 4]);
     assert_eq!(dark.normalisation, None);
-    let red = dark.rmse.iter().find(|m| m.channel == Channel::R && m.source == Source::Model).unwrap();
+    let red = dark
+        .rmse
+        .iter()
+        .find(|m| m.channel == Channel::R && m.source == Source::Model)
+        .unwrap();
     assert!((red.rmse.value - (0.29f64 / 3.0).sqrt()).abs() < 1e-15);
 }
 
@@ -497,14 +506,25 @@ fn hues_that_plainly_differ_are_told() {
     let colour = ColourSystem::new(&WavelengthGrid::preprint(), Convention::default()).unwrap();
     let compared = |model: Channels, sample: Channels| {
         let measured = [Some(Reading::independent(sample, [0.001; 4]))];
-        hue(&Propagation::new(&[vec![model], vec![model]], &measured).unwrap(), 0, &colour).unwrap()
+        hue(
+            &Propagation::new(&[vec![model], vec![model]], &measured).unwrap(),
+            0,
+            &colour,
+        )
+        .unwrap()
     };
     let (red, blue, grey) = (rgby(0.3, 0.01, 0.02), rgby(0.02, 0.1, 0.6), rgby(0.2, 0.2, 0.2));
     let other = compared(red, blue);
-    assert!(other.plainly_different && other.difference_deg.value.abs() > 60.0, "{other:?}");
+    assert!(
+        other.plainly_different && other.difference_deg.value.abs() > 60.0,
+        "{other:?}"
+    );
     assert!(compared(red, grey).plainly_different);
     let alike = compared(red, rgby(0.6, 0.03, 0.05));
-    assert!(!alike.plainly_different && alike.difference_deg.value.abs() < 10.0, "{alike:?}");
+    assert!(
+        !alike.plainly_different && alike.difference_deg.value.abs() < 10.0,
+        "{alike:?}"
+    );
     // Two greys have no hue to differ in.
     assert!(!compared(grey, rgby(0.2, 0.2, 0.21)).plainly_different);
 }

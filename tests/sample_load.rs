@@ -91,7 +91,11 @@ fn between_views_linear_and_flagged_outside_nothing() {
     );
     // An encoder's noise about the last view and the incidence.
     for (i, v, red) in [(0.0, 10.2, 0.4), (0.1, -0.2, 0.2)] {
-        assert_eq!(sample.reading(i, v, &convention).unwrap().unwrap().beta[0], red, "{i} {v}");
+        assert_eq!(
+            sample.reading(i, v, &convention).unwrap().unwrap().beta[0],
+            red,
+            "{i} {v}"
+        );
     }
     for (i, v) in [(0.0, 10.3), (0.0, -0.3), (30.0, 1.0), (15.0, 0.0), (0.0, f64::NAN)] {
         assert_eq!(sample.reading(i, v, &convention), Ok(None), "{i} {v}");
@@ -157,7 +161,10 @@ fn layouts_and_names_of_instruments_are_read_alike() {
     }
     let renamed = load("incidence,theta_r,450,550\n30,10,0.1,0.2\n30,20,0.1,0.2\n").unwrap();
     let notice = &renamed.notices()[0];
-    assert!(notice.contains("'theta_r' as theta_v_deg") && notice.contains("mirror side"), "{notice}");
+    assert!(
+        notice.contains("'theta_r' as theta_v_deg") && notice.contains("mirror side"),
+        "{notice}"
+    );
 }
 
 #[test]
@@ -170,16 +177,24 @@ fn noise_below_zero_is_read_and_other_units_are_told() {
         assert!(notices.contains(words), "{notices}");
     };
     told(format!("{RGB}0,0,40,20,30\n0,10,41,21,31\n"), "per cent");
-    told(format!("{RGB}0,-0.52,0.4,0.2,0.3\n0,0,0.4,0.2,0.3\n0,1.05,0.4,0.2,0.3\n"), "radians");
+    told(
+        format!("{RGB}0,-0.52,0.4,0.2,0.3\n0,0,0.4,0.2,0.3\n0,1.05,0.4,0.2,0.3\n"),
+        "radians",
+    );
     let message = load(format!("{SPECTRAL}0,0,0.45,1\n")).unwrap_err().to_string();
     assert!(message.contains("micrometres: multiply"), "{message}");
 }
 
 #[test]
 fn angles_as_an_encoder_reads_them_are_the_nominal_ones() {
-    let sample = load(format!("{RGB}0.02,-0.01,0.4,0.2,0.3\n-0.01,5.03,0.4,0.2,0.3\n30.1,4.98,0.1,0.1,0.1\n29.95,5.02,0.3,0.1,0.1\n"));
+    let sample = load(format!(
+        "{RGB}0.02,-0.01,0.4,0.2,0.3\n-0.01,5.03,0.4,0.2,0.3\n30.1,4.98,0.1,0.1,0.1\n29.95,5.02,0.3,0.1,0.1\n"
+    ));
     let sample = sample.unwrap();
-    assert_eq!(sample.geometries().collect::<Vec<_>>(), [(0.0, 0.0), (0.0, 5.0), (30.0, 5.0)]);
+    assert_eq!(
+        sample.geometries().collect::<Vec<_>>(),
+        [(0.0, 0.0), (0.0, 5.0), (30.0, 5.0)]
+    );
     let read = sample.angles_read();
     assert_eq!((read.moved, read.combined), (4, 2));
     let reading = sample.reading(30.0, 5.0, &Convention::default()).unwrap().unwrap();

@@ -212,12 +212,17 @@ impl<'a> Curves<'a> {
         let gate = Gate::undecided(COVERAGE);
         let mut lacks = Vec::new();
         if self.find(0.0, 0.0).is_none() {
-            lacks.push("no reading at normal incidence and view: nothing can be normalised".to_owned());
+            lacks.push(
+                "no reading at normal incidence and view: the nearest one normalises, and has its gloss in it"
+                    .to_owned(),
+            );
         }
         for curve in self.by_incidence() {
             let views: Vec<f64> = curve.iter().map(|reading| reading.theta_v_deg).collect();
             let (low, high) = (views[0], views[views.len() - 1]);
             let gap = views.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+            // Differences of decimals, as people write them.
+            let gap = (gap * 1e6).round() / 1e6;
             if low > -REACH_DEG || high < REACH_DEG || gap > GAP_DEG {
                 lacks.push(format!(
                     "incidence {} has views {low} to {high}, gaps of {gap} degrees at most",

@@ -147,17 +147,13 @@ pub struct ColourRatios {
 
 impl ColourRatios {
     /// From r, g and b as functions of (model, measured).
-    fn new(
-        propagation: &Propagation,
-        component: impl Fn(Channel, &[Channels], &[Option<Channels>]) -> f64,
-    ) -> Self {
+    fn new(propagation: &Propagation, component: impl Fn(Channel, &[Channels], &[Option<Channels>]) -> f64) -> Self {
         /// Errors and share of the largest component within which red counts as 0.
         const SIGMAS: f64 = 2.0;
         const SHARE: f64 = 0.02;
         let [red, green, blue] =
             [Channel::R, Channel::G, Channel::B].map(|c| propagation.estimate(|a, b| component(c, a, b)));
-        let over_red =
-            |c| propagation.estimate(|a, b| component(c, a, b) / component(Channel::R, a, b));
+        let over_red = |c| propagation.estimate(|a, b| component(c, a, b) / component(Channel::R, a, b));
         let largest = red.value.abs().max(green.value.abs()).max(blue.value.abs());
         Self {
             blue_over_red: over_red(Channel::B),
@@ -230,9 +226,15 @@ impl Comparison {
         });
         let count = views.len() as f64;
         let of_views = (squares / count).sqrt() / (sum / count);
-        let of_coefficient = self.normalisation.map_or(0.0, |n| n.model.se_monte_carlo / n.model.value);
+        let of_coefficient = self
+            .normalisation
+            .map_or(0.0, |n| n.model.se_monte_carlo / n.model.value);
         // f64::max would pass over NaN.
-        if of_coefficient > of_views { of_coefficient } else { of_views }
+        if of_coefficient > of_views {
+            of_coefficient
+        } else {
+            of_views
+        }
     }
 
     fn add_metrics(
@@ -295,7 +297,9 @@ impl Comparison {
 pub fn model_colour_ratios(batches: &[Channels]) -> Result<ColourRatios, CompareError> {
     let batches: Vec<Vec<Channels>> = batches.iter().map(|batch| vec![*batch]).collect();
     let propagation = Propagation::new(&batches, &[None])?;
-    Ok(ColourRatios::new(&propagation, |channel, model, _| model[0][channel as usize]))
+    Ok(ColourRatios::new(&propagation, |channel, model, _| {
+        model[0][channel as usize]
+    }))
 }
 
 fn reference_ratios(propagation: &Propagation, curves: &Curves, source: Source) -> ColourRatios {

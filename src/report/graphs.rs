@@ -20,7 +20,10 @@ pub struct Graph<'a> {
 /// incidence that it was not measured at, added for Table 1, has none.
 pub fn graphs(data: &ReportData) -> Vec<Graph<'_>> {
     let sampled = data.readings.geometries_of_sample;
-    let shown = data.curves.iter().filter(|point| !sampled || point.source == Source::Measured);
+    let shown = data
+        .curves
+        .iter()
+        .filter(|point| !sampled || point.source == Source::Measured);
     let mut incidences: Vec<f64> = shown.map(|point| point.theta_i_deg).collect();
     incidences.sort_by(f64::total_cmp);
     incidences.dedup();

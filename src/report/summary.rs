@@ -36,8 +36,15 @@ fn readings_line(data: &ReportData) -> Option<String> {
     if count.total == 0 {
         return None;
     }
-    let whose = if count.geometries_of_sample { "the sample" } else { "the study's [rig]" };
-    let mut parts = vec![format!("{} of {} compared at the geometries of {whose}", count.used, count.total)];
+    let whose = if count.geometries_of_sample {
+        "the sample"
+    } else {
+        "the study's [rig]"
+    };
+    let mut parts = vec![format!(
+        "{} of {} compared at the geometries of {whose}",
+        count.used, count.total
+    )];
     for (number, words) in [
         (count.interpolated, "used to interpolate between"),
         (count.outside_plane, "outside the plane of incidence"),
@@ -50,8 +57,17 @@ fn readings_line(data: &ReportData) -> Option<String> {
     }
     let mut line = format!("readings: {}", parts.join(", "));
     if !count.examples_outside_rig.is_empty() {
-        let named = count.examples_outside_rig.iter().map(place).collect::<Vec<_>>().join(", ");
-        let more = if count.outside_rig > count.examples_outside_rig.len() { ", ..." } else { "" };
+        let named = count
+            .examples_outside_rig
+            .iter()
+            .map(place)
+            .collect::<Vec<_>>()
+            .join(", ");
+        let more = if count.outside_rig > count.examples_outside_rig.len() {
+            ", ..."
+        } else {
+            ""
+        };
         let _ = write!(line, "; not measured (incidence/view): {named}{more}");
     }
     if count.moved > 0 || count.combined > 0 {
@@ -151,7 +167,10 @@ fn comparison(text: &mut String, data: &ReportData) {
         "incidence", "channel", "RMSE model", "RMSE classical"
     );
     if data.hue.is_some_and(|hue| hue.plainly_different) {
-        let _ = writeln!(text, "model and sample plainly differ in colour: these verdicts compare two different cloths");
+        let _ = writeln!(
+            text,
+            "model and sample plainly differ in colour: these verdicts compare two different cloths"
+        );
     }
     for model in data.rmse.iter().filter(|metric| metric.source == Source::Model) {
         let here = |theta_i_deg: f64, channel: Channel| theta_i_deg == model.theta_i_deg && channel == model.channel;

@@ -35,7 +35,12 @@ fn geometry((theta_i_deg, theta_v_deg): (f64, f64)) -> Geometry {
 
 pub(super) fn takes_the_samples(plan: &Plan) -> bool {
     let sample = &plan.sample;
-    let has_values = |theta_i: &f64| plan.rig.views_deg().iter().any(|theta_v| sample.covers(*theta_i, *theta_v));
+    let has_values = |theta_i: &f64| {
+        plan.rig
+            .views_deg()
+            .iter()
+            .any(|theta_v| sample.covers(*theta_i, *theta_v))
+    };
     plan.study.rig.takes_the_samples()
         && sample.geometries().next().is_some()
         && !(sample.is_table() && plan.rig.incidences_deg().iter().all(has_values))
@@ -48,7 +53,13 @@ fn thinned(geometries: Vec<Geometry>) -> Vec<Geometry> {
     }
     let curves: Vec<&[Geometry]> = geometries.chunk_by(|a, b| a.theta_i_deg == b.theta_i_deg).collect();
     let kept = curves.len().min(MOST_INCIDENCES);
-    let place = |k: usize| if kept > 1 { k * (curves.len() - 1) / (kept - 1) } else { 0 };
+    let place = |k: usize| {
+        if kept > 1 {
+            k * (curves.len() - 1) / (kept - 1)
+        } else {
+            0
+        }
+    };
     let views = MOST_GEOMETRIES / kept;
     (0..kept)
         .flat_map(|k| {
@@ -60,12 +71,20 @@ fn thinned(geometries: Vec<Geometry>) -> Vec<Geometry> {
 
 /// The sample's readings at the geometries.
 pub(super) fn readings(plan: &Plan, geometries: &[Geometry]) -> Result<Vec<Option<Reading>>, RunError> {
-    let reading = |g: &Geometry| plan.sample.reading(g.theta_i_deg, g.theta_v_deg, plan.colour.convention());
+    let reading = |g: &Geometry| {
+        plan.sample
+            .reading(g.theta_i_deg, g.theta_v_deg, plan.colour.convention())
+    };
     Ok(geometries.iter().map(reading).collect::<Result<_, _>>()?)
 }
 
 /// What became of every reading of the sample. `model` is its mean at each geometry.
-pub(super) fn count(plan: &Plan, geometries: &[Geometry], measured: &[Option<Reading>], model: &[Channels]) -> ReadingCount {
+pub(super) fn count(
+    plan: &Plan,
+    geometries: &[Geometry],
+    measured: &[Option<Reading>],
+    model: &[Channels],
+) -> ReadingCount {
     let sample = &plan.sample;
     let angles = sample.angles_read();
     let of_sample: Vec<Geometry> = sample.geometries().map(geometry).collect();

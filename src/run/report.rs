@@ -1,11 +1,11 @@
 use super::curves::{channels, directions};
-use super::readings::{NORMAL, count, names_of, readings};
 use super::light::{LightBetween, lit_views};
+use super::readings::{NORMAL, count, names_of, readings};
 use super::{CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows};
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{
-    self, Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, HueComparison, Inputs, Propagation, Source,
-    model_colour_ratios, reference,
+    self, Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, HueComparison, Inputs, Propagation,
+    Source, model_colour_ratios, reference,
 };
 use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
@@ -427,7 +427,10 @@ fn table1(
     }
     rows.push(Table1Row::estimated(Table1Name::Model, &model));
     notices.extend(no_ratio("the model", &model));
-    let with_ratio: Vec<&ColourRatios> = std::iter::once(&model).chain(sweep).filter(|r| !r.red_is_zero).collect();
+    let with_ratio: Vec<&ColourRatios> = std::iter::once(&model)
+        .chain(sweep)
+        .filter(|r| !r.red_is_zero)
+        .collect();
     let without = sweep.len() + 1 - with_ratio.len();
     if without > 0 {
         notices.push(format!(

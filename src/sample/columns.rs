@@ -49,8 +49,19 @@ const BETA: &[&str] = &[
     "r",
     "value",
 ];
-const BETA_SE: &[&str] = &["se", "std", "sigma", "uncertainty", "standard_error", "standard_uncertainty"];
-const RGB: [&[&str]; 3] = [&["r", "red", "beta_red"], &["g", "green", "beta_green"], &["b", "blue", "beta_blue"]];
+const BETA_SE: &[&str] = &[
+    "se",
+    "std",
+    "sigma",
+    "uncertainty",
+    "standard_error",
+    "standard_uncertainty",
+];
+const RGB: [&[&str]; 3] = [
+    &["r", "red", "beta_red"],
+    &["g", "green", "beta_green"],
+    &["b", "blue", "beta_blue"],
+];
 
 /// Which column holds what.
 pub(super) struct Columns {
@@ -72,7 +83,10 @@ pub(super) enum Values {
         se: Option<usize>,
     },
     /// One column a wavelength: (nm, column), ascending.
-    Wide { beta: Vec<(f64, usize)>, se: Vec<(f64, usize)> },
+    Wide {
+        beta: Vec<(f64, usize)>,
+        se: Vec<(f64, usize)>,
+    },
 }
 
 impl Columns {
@@ -195,7 +209,8 @@ impl Finder<'_> {
             return header("every wavelength once", format!("{} nm twice", twice[0].0), None);
         }
         if let Some((nm, _)) = beta.iter().find(|(nm, _)| !(100.0..=3000.0).contains(nm)) {
-            let remedy = plausibility::wavelength_unit(*nm).or(Some("name the columns by wavelengths in nm, such as 450"));
+            let remedy =
+                plausibility::wavelength_unit(*nm).or(Some("name the columns by wavelengths in nm, such as 450"));
             return header("columns named by wavelengths in nm", nm.to_string(), remedy);
         }
         if !se.is_empty() && !se.iter().map(|(nm, _)| nm).eq(beta.iter().map(|(nm, _)| nm)) {
@@ -215,7 +230,9 @@ fn plain(name: &str) -> String {
         Some(at) if !lower[at..].contains("rad") => &lower[..at],
         _ => lower.as_str(),
     };
-    let words = bare.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    let words = bare
+        .split(|c: char| !c.is_alphanumeric())
+        .filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join("_")
 }
 

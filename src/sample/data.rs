@@ -106,7 +106,10 @@ pub(super) fn parse(path: &str, bytes: &[u8], relative_se: Option<f64>) -> Resul
     for row in 0..table.len() {
         lines.push(Line::read(&table, &columns, row, relative_se)?);
     }
-    let largest = lines.iter().flat_map(|line| &line.beta).fold(0.0, |a: f64, b| a.max(*b));
+    let largest = lines
+        .iter()
+        .flat_map(|line| &line.beta)
+        .fold(0.0, |a: f64, b| a.max(*b));
     let mut negative = Vec::new();
     for (row, line) in lines.iter().enumerate() {
         negative.extend(line.negative(&table, &columns, row, largest)?);
@@ -147,7 +150,10 @@ fn renamed(columns: &Columns, table: &CsvTable) -> String {
         true => "; no view is below 0, so all are on the mirror side of the normal",
         false => "; views below 0 are on the light's side of the normal",
     };
-    format!("columns of the sample were read as these: {}{sign}", columns.renamed.join(", "))
+    format!(
+        "columns of the sample were read as these: {}{sign}",
+        columns.renamed.join(", ")
+    )
 }
 
 /// Views and incidences that an encoder may read back below 0 where 0 was meant.
@@ -201,7 +207,13 @@ impl Line {
 
     /// Values below 0 as a dark reading's noise leaves them: no farther than three of their standard errors, or than 2 % of the
     /// table's largest value.
-    fn negative(&self, table: &CsvTable, columns: &Columns, row: usize, largest: f64) -> Result<Vec<f64>, Box<CsvError>> {
+    fn negative(
+        &self,
+        table: &CsvTable,
+        columns: &Columns,
+        row: usize,
+        largest: f64,
+    ) -> Result<Vec<f64>, Box<CsvError>> {
         const NOISE: f64 = 0.02;
         const SIGMAS: f64 = 3.0;
         let values = std::iter::zip(&self.beta, &self.se).enumerate();

@@ -1,5 +1,5 @@
-use super::{SampleError, plausibility};
 use super::data::{Axis, Row};
+use super::{SampleError, plausibility};
 use crate::formats::{Channels, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
 use crate::spectrum::WavelengthGrid;
 

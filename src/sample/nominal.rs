@@ -78,9 +78,8 @@ pub(super) fn nominal(rows: Vec<Row>) -> (Vec<Row>, AnglesRead) {
             read.largest_deg = read.largest_deg.max(moved);
         }
     }
-    let same = |a: &Placed, b: &Placed| {
-        a.row.theta_i_deg == b.row.theta_i_deg && a.row.theta_v_deg == b.row.theta_v_deg
-    };
+    let same =
+        |a: &Placed, b: &Placed| a.row.theta_i_deg == b.row.theta_i_deg && a.row.theta_v_deg == b.row.theta_v_deg;
     let mut rows = Vec::new();
     for repeats in placed.chunk_by(same) {
         if repeats.len() > 1 {

@@ -50,8 +50,9 @@ pub(super) fn study(text: &str, file: &str) -> Result<Study, StudyError> {
     }
     let mut study: Study = toml::from_str(text).map_err(|e| source.syntax(&e))?;
     let rig = document.get_ref().get("rig").and_then(|rig| rig.get_ref().as_table());
-    if rig.is_some_and(|rig| !rig.contains_key("geometries") && RigSection::ANGLES.iter().any(|key| rig.contains_key(*key)))
-    {
+    if rig.is_some_and(|rig| {
+        !rig.contains_key("geometries") && RigSection::ANGLES.iter().any(|key| rig.contains_key(*key))
+    }) {
         study.rig.geometries = GeometryChoice::Rig;
     }
     study
