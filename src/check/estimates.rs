@@ -85,10 +85,13 @@ pub fn normalisation(context: &Context) -> Result<Gate, CheckError> {
         measured: &[Some(Reading::independent(measured, [0.01; 4]))],
     })
     .map_err(RunError::from)?;
-    let departures = [
-        comparison.normalisation.model.value * model[LUMINANCE] / measured[LUMINANCE] - 1.0,
-        comparison.normalisation.classical.value * classical[LUMINANCE] / measured[LUMINANCE] - 1.0,
-    ];
+    // No coefficient at all breaks the law as a wrong one does.
+    let coefficients = comparison
+        .normalisation
+        .map_or([f64::NAN; 2], |n| [n.model.value, n.classical.value]);
+    let departures: Vec<f64> = std::iter::zip(coefficients, [model, classical])
+        .map(|(coefficient, source)| coefficient * source[LUMINANCE] / measured[LUMINANCE] - 1.0)
+        .collect();
     Ok(context
         .judge
         .exact(NORMALISATION, &departures, context.plan.study.check.rounding, |i| {

@@ -192,6 +192,12 @@ impl ColourSystem {
         Lab([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)])
     }
 
+    /// Lab of linear RGB, the reverse of [`Self::linear_rgb`]; `None` if the RGB space cannot be inverted.
+    pub fn lab_of_rgb(&self, rgb: LinearRgb) -> Option<Lab> {
+        let to_xyz = self.to_rgb.try_inverse()?;
+        Some(self.lab(xyz_of(to_xyz * Vector3::from(rgb.0))))
+    }
+
     /// All of it. Panics as [`Self::xyz`] does.
     pub fn convert(&self, beta: &[f64]) -> Colour {
         let xyz = self.xyz(beta);

@@ -1,5 +1,5 @@
 use super::curves::{channels, gloss};
-use super::report::NORMAL;
+use super::readings::NORMAL;
 use super::{Plan, Precision, RunError, Tolerance, Watched};
 use crate::compare::Geometry;
 use crate::transport::Estimate;

@@ -504,6 +504,13 @@ pub(super) const SECTIONS: &[Section] = &[
         meaning: "The virtual goniophotometer.",
         fields: &[
             field(
+                "geometries",
+                "",
+                Kind::Choice(&["auto", "rig"]),
+                "What a report measures: \"auto\" the sample's own geometries, unless the four keys below differ from these values; \
+                 \"rig\" those of the four keys. Left out beside one of the four, it is \"rig\".",
+            ),
+            field(
                 "incidences_deg",
                 "degrees",
                 Kind::Numbers(

@@ -21,8 +21,8 @@ pub use error::{Place, StudyError};
 pub use origin::Origin;
 pub use sections::{
     Bounces, CentreLineChoice, CheckSection, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
-    InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection, ShadeWith,
-    SpectrumSection, SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeaveChoice, WeaveSection,
+    GeometryChoice, InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection,
+    ShadeWith, SpectrumSection, SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeaveChoice, WeaveSection,
     WeftSection, YarnSection,
 };
 

@@ -5,7 +5,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::fields::{self, Field, Kind, Section};
 use super::keys::SECTIONS;
-use super::{Origin, Place, Study, StudyError};
+use super::{GeometryChoice, Origin, Place, RigSection, Study, StudyError};
 
 type Spanned<T> = toml::Spanned<T>;
 
@@ -51,6 +51,12 @@ pub(super) fn study(text: &str, file: &str) -> Result<Study, StudyError> {
     }
     let mut study: Study = toml::from_str(text).map_err(|e| source.syntax(&e))?;
     study.origin = origin(&source, document.get_ref());
+    let rig = document.get_ref().get("rig").and_then(|rig| rig.get_ref().as_table());
+    if rig.is_some_and(|rig| {
+        !rig.contains_key("geometries") && RigSection::ANGLES.iter().any(|key| rig.contains_key(*key))
+    }) {
+        study.rig.geometries = GeometryChoice::Rig;
+    }
     study.validate()?;
     Ok(study)
 }
