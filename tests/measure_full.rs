@@ -296,7 +296,10 @@ fn klems_files_hold_both_sides() {
                 Scatter::Reflection => assert!(straight < 10.0 / PI * solid_angle),
                 Scatter::Transmission => assert!(straight > (1.0 - 5e-6) * of("through_gaps")[1]),
             }
-            let found = component.directional_hemispherical(angle("theta_i_deg"), phi).unwrap().values;
+            let found = component
+                .directional_hemispherical(angle("theta_i_deg"), phi)
+                .unwrap()
+                .values;
             assert!((found[1] / of(quantity)[1] - 1.0).abs() < 5e-6, "{found:?}");
         }
     }

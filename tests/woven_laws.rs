@@ -320,7 +320,10 @@ fn compare_open_weave(particles: usize) {
         for ((name, of), (value, se)) in ["R", "T", "A"].into_iter().zip(of).zip(totals) {
             let here = estimate(&batches, 0, of);
             let z = z(here, Estimate { value, se });
-            println!("{theta_deg} deg: {name} {:.5} ± {:.5}, {value}, z {z:.2}", here.value, here.se);
+            println!(
+                "{theta_deg} deg: {name} {:.5} ± {:.5}, {value}, z {z:.2}",
+                here.value, here.se
+            );
             assert!(z.abs() <= LIMIT, "{name} at {theta_deg} deg: {here:?} for {value}");
         }
         let mut chi2 = 0.0;
@@ -329,7 +332,10 @@ fn compare_open_weave(particles: usize) {
             let here = Estimate::from_batches(batches.iter().map(|b| per_caught * b.caught[k][0]));
             let (value, se) = (row.bf, row.se);
             let z = z(here, Estimate { value, se });
-            println!("{theta_deg} {}: {:.4} ± {:.4}, {value}, z {z:.2}", row.view_deg, here.value, here.se);
+            println!(
+                "{theta_deg} {}: {:.4} ± {:.4}, {value}, z {z:.2}",
+                row.view_deg, here.value, here.se
+            );
             assert!(z.abs() <= LIMIT, "view {} deg: {here:?} for {value}", row.view_deg);
             chi2 += z * z;
         }

@@ -1,8 +1,8 @@
 use super::{Failure, Terminal};
 use serde::Serialize;
 use specval::formats::{
-    self, AngleUnit, Axis, Channels, Component, Fold, Goniometric, Hemispherical, Parameters, Provenance, Quantity, ReadOptions,
-    Scatter, Side, Table,
+    self, AngleUnit, Axis, Channels, Component, Fold, Goniometric, Hemispherical, Parameters, Provenance, Quantity,
+    ReadOptions, Scatter, Side, Table,
 };
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -260,7 +260,10 @@ fn text(of: &Inspection) -> String {
             let _ = writeln!(text, "{:<14} {shown} deg", axis.name);
         }
         if !part.reflectance.is_empty() {
-            let _ = writeln!(text, "theta_i, deg   hemispherical, a value a channel, and the largest error of its integration");
+            let _ = writeln!(
+                text,
+                "theta_i, deg   hemispherical, a value a channel, and the largest error of its integration"
+            );
         }
         for r in &part.reflectance {
             let values: Vec<String> = r.values.iter().map(|v| format!("{v:.6}")).collect();

@@ -182,9 +182,8 @@ impl Grid {
             for channel in 0..self.channels {
                 let mut arcs: Vec<Vec<f64>> = Vec::with_capacity(n3);
                 for (i3, cosines) in cosines.iter().enumerate() {
-                    let f = |(i2, z): (usize, &Option<f64>)| {
-                        z.map_or(f64::NAN, |z| self.at([i0, i1, i2, i3], channel) / z)
-                    };
+                    let f =
+                        |(i2, z): (usize, &Option<f64>)| z.map_or(f64::NAN, |z| self.at([i0, i1, i2, i3], channel) / z);
                     let mut arc: Vec<f64> = cosines.iter().enumerate().map(f).collect();
                     hold(&mut arc);
                     arcs.push(arc);

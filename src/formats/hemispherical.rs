@@ -175,9 +175,9 @@ impl Ord for Cell {
     fn cmp(&self, other: &Self) -> Ordering {
         let place = |c: &Self| [c.polar[0], c.around[0]];
         let places = place(self).into_iter().zip(place(other));
-        self.worst.total_cmp(&other.worst).then_with(|| {
-            places.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(&b)))
-        })
+        self.worst
+            .total_cmp(&other.worst)
+            .then_with(|| places.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(&b))))
     }
 }
 

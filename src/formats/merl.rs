@@ -93,7 +93,10 @@ fn grid(values: Vec<f64>) -> Grid {
 
 /// As [`bytes`] are read.
 pub(super) fn table(rgb: &[Option<[f64; 3]>]) -> Grid {
-    let planes = (0..3).flat_map(|channel| rgb.iter().map(move |node| node.map_or(f64::NAN, |values| values[channel])));
+    let planes = (0..3).flat_map(|channel| {
+        rgb.iter()
+            .map(move |node| node.map_or(f64::NAN, |values| values[channel]))
+    });
     grid(planes.collect())
 }
 

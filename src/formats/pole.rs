@@ -87,7 +87,9 @@ fn incident(grid: &mut Grid) -> f64 {
 /// The mean of the values there are, and the largest difference from it over it; `None` where they differ by rounding alone.
 fn mean(values: &[f64], shares: &[f64]) -> Option<(f64, f64)> {
     let there = || values.iter().zip(shares).filter(|(value, _)| !value.is_nan());
-    let (low, high) = there().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (v, _)| (low.min(*v), high.max(*v)));
+    let (low, high) = there().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (v, _)| {
+        (low.min(*v), high.max(*v))
+    });
     if low.is_infinite() || high - low <= ROUNDING * high.abs().max(low.abs()) {
         return None;
     }

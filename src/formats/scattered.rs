@@ -155,7 +155,11 @@ impl Scattered {
     pub(super) fn outgoing_nodes(&self, theta_i: f64, phi_i: f64) -> Option<(Vec<f64>, Vec<f64>)> {
         let around = |branch: &'_ Branch, angle: f64| {
             let between = branch.axis.locate(angle)?;
-            Some(if between.t > 0.0 { vec![between.below, between.above] } else { vec![between.below] })
+            Some(if between.t > 0.0 {
+                vec![between.below, between.above]
+            } else {
+                vec![between.below]
+            })
         };
         let (mut polar, mut azimuths) = (Vec::new(), Vec::new());
         for of_theta in around(&self.tree, theta_i)? {
@@ -163,9 +167,17 @@ impl Scattered {
                 return None;
             };
             let all = (0..by_phi.below.len()).collect();
-            let nodes = if by_phi.about_pole.is_some() { all } else { around(by_phi, phi_i)? };
+            let nodes = if by_phi.about_pole.is_some() {
+                all
+            } else {
+                around(by_phi, phi_i)?
+            };
             // Azimuths of isotropic readings are kept with the light's.
-            let turn = if self.isotropic { phi_i - self.tree.below[0].first() } else { 0.0 };
+            let turn = if self.isotropic {
+                phi_i - self.tree.below[0].first()
+            } else {
+                0.0
+            };
             for of_phi in nodes {
                 let Node::Branch(by_polar) = &by_phi.below[of_phi] else {
                     return None;
@@ -334,7 +346,9 @@ impl Branch {
     fn find(&self, angles: &[f64], share: f64, around: &mut Around) -> Option<()> {
         if let Some(shares) = &self.about_pole {
             let nodes = self.below.iter().zip(shares);
-            return nodes.into_iter().try_for_each(|(node, part)| node.find(&angles[1..], share * part, around));
+            return nodes
+                .into_iter()
+                .try_for_each(|(node, part)| node.find(&angles[1..], share * part, around));
         }
         let between = self.axis.locate(angles[0])?;
         around.on_node &= between.on_node;

@@ -53,7 +53,9 @@ impl TensorTree {
             let phi = phi + (turn as f64 + 0.5) / TURNS as f64 * 2.0 * PI;
             place[outgoing.clone()].copy_from_slice(&square(r * phi.cos(), r * phi.sin()));
             let values = self.at(place).0;
-            mean.iter_mut().zip(values).for_each(|(sum, v)| *sum += v / TURNS as f64);
+            mean.iter_mut()
+                .zip(values)
+                .for_each(|(sum, v)| *sum += v / TURNS as f64);
         }
         Some((mean, Placement::InCell))
     }
@@ -79,7 +81,9 @@ impl TensorTree {
         let (values, depth) = self.at(place);
         if depth <= level {
             let area = PI * side * side;
-            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += area * value);
+            sums.iter_mut()
+                .zip(values)
+                .for_each(|(sum, value)| *sum += area * value);
             return;
         }
         for part in 0..4usize {

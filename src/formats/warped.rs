@@ -176,7 +176,9 @@ impl Warped {
         if self.is_unwarped() {
             columns.push(a.size);
         }
-        let nodes = columns.into_iter().flat_map(|n| (0..n).map(move |k| k as f64 / (n - 1) as f64));
+        let nodes = columns
+            .into_iter()
+            .flat_map(|n| (0..n).map(move |k| k as f64 / (n - 1) as f64));
         nodes.map(|x| x * x * FRAC_PI_2).collect()
     }
 

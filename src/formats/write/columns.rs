@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::super::goniometric::{direction, rounded_deg};
 use super::super::{
-    Channels, Component, Directions, Format, Grid, Hemispherical, Parameters, Provenance, Quantity, Scatter, Scattered, Side,
-    Table,
+    Channels, Component, Directions, Format, Grid, Hemispherical, Parameters, Provenance, Quantity, Scatter, Scattered,
+    Side, Table,
 };
 use super::WriteError;
 use super::balance::{Balance, hemispherical};

@@ -75,14 +75,22 @@ impl SpecularGrid {
         let offsets_rad = vec![0.0; sigma_deg.len()];
         let channels = component.channels.count();
         let order = [1, 0, 3, 2, 4];
-        let table = Grid::new(Parameters::Specular { offsets_rad }, axes, Fold::None, channels, order, values);
+        let table = Grid::new(
+            Parameters::Specular { offsets_rad },
+            axes,
+            Fold::None,
+            channels,
+            order,
+            values,
+        );
         let table = Component {
             quantity: Quantity::Bsdf,
             table: Table::Grid(table),
             ..component.clone()
         };
-        let incidences: Vec<[usize; 2]> =
-            (0..psi_deg.len()).flat_map(|p| (0..sigma_deg.len()).map(move |s| [s, p])).collect();
+        let incidences: Vec<[usize; 2]> = (0..psi_deg.len())
+            .flat_map(|p| (0..sigma_deg.len()).map(move |s| [s, p]))
+            .collect();
         let found: Vec<[Option<Hemispherical>; 2]> = incidences
             .par_iter()
             .map(|&[s, p]| [component, &table].map(|of| hemispherical(of, sigma_deg[s], psi_deg[p])))

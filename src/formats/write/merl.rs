@@ -67,12 +67,16 @@ fn keep(
     let wanted: Vec<Option<Hemispherical>> = incidences_deg
         .par_iter()
         .map(|&theta| {
-            let turned = turns_rad.iter().map(|turn| hemispherical(component, theta, turn.to_degrees()));
+            let turned = turns_rad
+                .iter()
+                .map(|turn| hemispherical(component, theta, turn.to_degrees()));
             let all: Vec<Hemispherical> = turned.collect::<Option<_>>()?;
             let n = all.len() as f64;
             let mean = |of: fn(&Hemispherical) -> &Vec<f64>| -> Vec<f64> {
                 let channels = 0..component.channels.count();
-                channels.map(|c| all.iter().map(|found| of(found)[c]).sum::<f64>() / n).collect()
+                channels
+                    .map(|c| all.iter().map(|found| of(found)[c]).sum::<f64>() / n)
+                    .collect()
             };
             Some(Hemispherical {
                 values: map.apply(&mean(|found| &found.values)),
@@ -89,7 +93,10 @@ fn keep(
             channels: Channels::Rgb,
             table: Table::Grid(merl::table(rgb)),
         };
-        incidences_deg.par_iter().map(|&theta| hemispherical(&table, theta, 0.0)).collect()
+        incidences_deg
+            .par_iter()
+            .map(|&theta| hemispherical(&table, theta, 0.0))
+            .collect()
     };
     let mut balance = Balance::default();
     for pass in 0..PASSES {

@@ -212,7 +212,9 @@ fn patch_means(
     let source = component.directional_hemispherical(theta_i, phi_i);
     let sum = |channel: usize| -> f64 {
         let patches = means.iter().enumerate();
-        patches.map(|(patch, f)| f[channel] * basis.projected_solid_angle(patch)).sum()
+        patches
+            .map(|(patch, f)| f[channel] * basis.projected_solid_angle(patch))
+            .sum()
     };
     let table = Hemispherical {
         values: (0..channels).map(sum).collect(),
