@@ -98,12 +98,6 @@ impl Balance {
         }
     }
 
-    /// The largest relative change.
-    pub(super) fn largest(&self) -> f64 {
-        let changes = [self.undone, self.left].into_iter().flatten();
-        changes.map(|change| change.size()).fold(0.0, f64::max)
-    }
-
     pub(super) fn notice(&self, notices: &mut Vec<String>) {
         if let Some(c) = self.undone.filter(|c| c.size() > TOLD) {
             notices.push(format!(
