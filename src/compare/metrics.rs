@@ -186,8 +186,7 @@ pub(super) fn ratio_of(
     channel: Channel,
     model_error: f64,
 ) -> RmseRatio {
-    // In this form NaN is too much as well.
-    let too_few_paths = !(model_error <= LARGEST_MODEL_ERROR);
+    let too_few_paths = model_error.is_nan() || model_error > LARGEST_MODEL_ERROR;
     let half = t_quantile(log, propagation.batches()) * log.se;
     let interval = [(log.value - half).exp(), (log.value + half).exp()];
     let defined = !too_few_paths && log.value.is_finite() && interval.iter().all(|end| end.is_finite());

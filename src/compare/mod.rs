@@ -159,7 +159,7 @@ impl ColourRatios {
             blue_over_red: over_red(Channel::B),
             green_over_red: over_red(Channel::G),
             red,
-            red_is_zero: !(red.value.abs() > (SIGMAS * red.se).max(SHARE * largest)),
+            red_is_zero: !(red.value - red.se).is_finite() || red.value.abs() <= (SIGMAS * red.se).max(SHARE * largest),
         }
     }
 }

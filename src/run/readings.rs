@@ -151,8 +151,8 @@ fn taken(of_sample: &[Geometry], at: Geometry, interpolated: bool) -> Vec<usize>
     found.into_iter().flatten().collect()
 }
 
-/// Whether anything of a sample lies where a report of it looks.
-pub(super) fn names_of(sample: &Sample) -> String {
+/// The sample's incidences in degrees, the first ten, as a list in words.
+pub(super) fn incidences_of(sample: &Sample) -> String {
     let mut incidences: Vec<f64> = sample.geometries().map(|(theta_i, _)| theta_i).collect();
     incidences.dedup();
     let names: Vec<String> = incidences.iter().take(10).map(f64::to_string).collect();

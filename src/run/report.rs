@@ -1,6 +1,6 @@
 use super::curves::{channels, directions};
 use super::light::{LightBetween, lit_views};
-use super::readings::{NORMAL, count, names_of, readings};
+use super::readings::{NORMAL, count, incidences_of, readings};
 use super::{CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows, grazing_notice};
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{
@@ -109,7 +109,7 @@ pub fn report(
                 "sample {} has no reading at any geometry of the study's [rig]: nothing is compared; its incidences are {} degrees: \
                  set `rig.incidences_deg` to these, or `rig.geometries = \"auto\"` with the built-in angles",
                 plan.sample.name(),
-                names_of(&plan.sample)
+                incidences_of(&plan.sample)
             ));
             None
         }

@@ -59,9 +59,11 @@ pub(super) fn nominal(rows: Vec<Row>) -> (Vec<Row>, AnglesRead) {
     for curve in placed.chunk_by_mut(|a, b| a.row.theta_i_deg == b.row.theta_i_deg) {
         let range = curve[curve.len() - 1].row.theta_v_deg - curve[0].row.theta_v_deg;
         let steps = curve.len() - 1;
-        let within = match steps {
-            0 => WHOLE_DEG,
-            _ => WHOLE_DEG.min(range / steps as f64 / 4.0),
+        // One view, or repeats of one, have no step.
+        let within = if range <= 2.0 * WHOLE_DEG {
+            WHOLE_DEG
+        } else {
+            WHOLE_DEG.min(range / steps as f64 / 4.0)
         };
         for placed in curve {
             placed.row.theta_v_deg = whole(placed.row.theta_v_deg, within);
