@@ -11,6 +11,7 @@ use golden::{golden, load};
 
 const BINARY: WriteOptions = WriteOptions {
     scatter: None,
+    side: None,
     encoding: Encoding::Binary,
 };
 

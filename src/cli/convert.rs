@@ -1,4 +1,4 @@
-use super::inspect::Reading;
+use super::inspect::{Chosen, Reading, scatter_word};
 use super::{Failure, Options, Replace, claim, in_words};
 use serde::Serialize;
 use specval::formats::{self, Encoding, Format, Scatter, WriteOptions};
@@ -19,6 +19,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FORMAT", value_parser = target_of)]
     to: Option<Target>,
     #[command(flatten)]
+    chosen: Chosen,
+    #[command(flatten)]
     replace: Replace,
     #[command(flatten)]
     reading: Reading,
@@ -31,6 +33,16 @@ pub(super) enum ConvertError {
          of them; say --to FORMAT", path.display()
     )]
     Extension { path: PathBuf },
+    #[error(
+        "{}: the extension says {by_name}, and --scatter {asked}; name the file .{extension}, or leave --scatter out",
+        path.display()
+    )]
+    Scatter {
+        path: PathBuf,
+        by_name: &'static str,
+        asked: &'static str,
+        extension: &'static str,
+    },
 }
 
 #[derive(Serialize)]
@@ -38,6 +50,8 @@ struct Converted {
     output: String,
     format: &'static str,
     bytes: usize,
+    /// What is in the file.
+    components: Vec<String>,
     notices: Vec<String>,
 }
 
@@ -96,6 +110,25 @@ pub(super) fn by_extension(path: &Path) -> (Option<Format>, Option<Scatter>) {
 pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let output = &arguments.output;
     let (by_name, scatter) = by_extension(output);
+    if let (Some(by_name), Some(asked)) = (scatter, arguments.chosen.scatter)
+        && by_name != asked
+    {
+        let extension = match (output.extension().is_some_and(|e| e.to_string_lossy().starts_with(['s', 'S'])), asked) {
+            (true, Scatter::Reflection) => "sdr",
+            (true, Scatter::Transmission) => "sdt",
+            (false, Scatter::Reflection) => "ddr",
+            (false, Scatter::Transmission) => "ddt",
+        };
+        let path = output.clone();
+        let (by_name, asked) = (scatter_word(by_name), scatter_word(asked));
+        return Err(ConvertError::Scatter {
+            path,
+            by_name,
+            asked,
+            extension,
+        }
+        .into());
+    }
     let Target { format, encoding } = arguments
         .to
         .or(by_name.map(Target::from))
@@ -106,7 +139,12 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     for warning in &data.warnings {
         terminal.notice(warning);
     }
-    let written = formats::write(&data, format, &WriteOptions { scatter, encoding })?;
+    let options = WriteOptions {
+        scatter: arguments.chosen.scatter.or(scatter),
+        side: arguments.chosen.side,
+        encoding,
+    };
+    let written = formats::write(&data, format, &options)?;
     write_whole(&places[0], &written.bytes)?;
     for notice in &written.notices {
         terminal.notice(notice);
@@ -115,9 +153,11 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         output: in_words(output),
         format: format.name(),
         bytes: written.bytes.len(),
+        components: written.components.clone(),
         notices: data.warnings.iter().chain(&written.notices).cloned().collect(),
     };
     terminal.result(&converted, |c| {
-        format!("{} bytes of {} written to {}\n", c.bytes, c.format, c.output)
+        let components = c.components.join("; ");
+        format!("{} bytes of {} written to {}: {components}\n", c.bytes, c.format, c.output)
     })
 }

@@ -1,3 +1,4 @@
+use super::inspect::scatter_of;
 use super::convert::{ConvertError, Target, by_extension, target_of};
 use super::{Failure, Options, Replace, Terminal, claim, in_words};
 use serde::Serialize;
@@ -72,14 +73,6 @@ fn step(text: &str) -> Result<Step, String> {
         return Err(expected());
     }
     Ok(Step(steps.round() as usize))
-}
-
-fn scatter_of(text: &str) -> Result<Scatter, String> {
-    match text {
-        "reflection" => Ok(Scatter::Reflection),
-        "transmission" => Ok(Scatter::Transmission),
-        _ => Err("expected reflection or transmission".into()),
-    }
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -228,7 +221,12 @@ pub fn run(
         components: bsdf.components(colours, format == Format::Csv, &mut notices)?,
         warnings: Vec::new(),
     };
-    let written = formats::write(&data, format, &WriteOptions { scatter, encoding })?;
+    let written = formats::write(&data, format, &WriteOptions {
+            scatter,
+            encoding,
+            side: None,
+        },
+    )?;
     notices.extend(written.notices);
     match format {
         Format::Sdr | Format::Ssdd => {}

@@ -216,6 +216,18 @@ impl Goniometric {
 }
 
 impl Component {
+    /// What it is, in words: "reflection of light from the front".
+    pub fn words(&self) -> String {
+        let scatter = match (self.scatter, &self.table) {
+            (Scatter::Reflection, Table::Specular(_)) => "specular reflection",
+            (Scatter::Transmission, Table::Specular(_)) => "regular transmission",
+            (Scatter::Reflection, _) => "reflection",
+            (Scatter::Transmission, _) => "transmission",
+        };
+        let side = if self.side == Side::Front { "front" } else { "back" };
+        format!("{scatter} of light from the {side}")
+    }
+
     /// Values at unit directions to the light and to the viewer. `None` outside what was measured, on the wrong sides of
     /// the surface, and for specular tables.
     pub fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Evaluation> {

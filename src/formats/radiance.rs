@@ -214,6 +214,7 @@ fn blocks<'n>(
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Blocks<'n>>, FormatError> {
     let mut all: Vec<Blocks> = Vec::new();
+    let mut other_wavelengths: Vec<String> = Vec::new();
     for data in layer
         .children()
         .filter(|n| n.has_tag_name_in_any_space("WavelengthData"))
@@ -227,7 +228,7 @@ fn blocks<'n>(
             ("CIE-u", true) => 1,
             ("CIE-v", true) => 2,
             _ => {
-                warnings.push(format!("data of wavelength {} are left out", quoted(wavelength)));
+                other_wavelengths.push(quoted(wavelength));
                 continue;
             }
         };
@@ -266,6 +267,15 @@ fn blocks<'n>(
                 ));
             }
         }
+    }
+    if !other_wavelengths.is_empty() {
+        let blocks = other_wavelengths.len();
+        other_wavelengths.dedup();
+        other_wavelengths.truncate(8);
+        warnings.push(format!(
+            "{blocks} blocks of other wavelengths than the visible are left out: {}",
+            other_wavelengths.join(", ")
+        ));
     }
     Ok(all)
 }

@@ -26,6 +26,17 @@ impl TensorTree {
         Self { rank, trees }
     }
 
+    /// Cells of the finest of the trees.
+    pub fn cells(&self) -> usize {
+        fn count(node: &Node) -> usize {
+            match node {
+                Node::Branch(children) => children.iter().map(count).sum(),
+                Node::Grid(values) => values.len(),
+            }
+        }
+        self.trees.iter().map(count).max().unwrap_or(0)
+    }
+
     pub fn is_isotropic(&self) -> bool {
         self.rank == 3
     }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::super::goniometric::{direction, rounded_deg};
 use super::super::{
     Channels, Component, Directions, Format, Grid, Hemispherical, Parameters, Provenance, Quantity, Scatter, Scattered,
-    Side, Table,
+    Table,
 };
 use super::WriteError;
 use super::balance::{Balance, hemispherical};
@@ -29,9 +29,6 @@ pub(super) fn write(
     provenance: &Provenance,
     notices: &mut Vec<String>,
 ) -> Result<Vec<u8>, WriteError> {
-    if component.side == Side::Back {
-        notices.push(format!("{format} does not state that the light comes from the back"));
-    }
     let readings = readings(component, format, notices)?;
     let errors = match &component.table {
         Table::Scattered(scattered) => scattered.reading_errors(),

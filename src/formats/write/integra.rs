@@ -259,8 +259,9 @@ pub(super) fn specular(
     let Table::Specular(table) = &component.table else {
         return Err(WriteError::CannotHold {
             format: Format::Sdr,
-            holds: "specular fractions",
+            holds: "specular fractions".into(),
             found: "scattering over directions".into(),
+            remedy: "take ddr for scattering over directions",
         });
     };
     if !table.azimuth().is_single() {

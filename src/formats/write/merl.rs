@@ -35,13 +35,24 @@ pub(super) fn write(component: &Component, notices: &mut Vec<String>) -> Result<
         let rgb = map.apply(&sampler.mean_over_turns(omega_in, omega_out, &turns_rad)?);
         Ok([rgb[0], rgb[1], rgb[2]])
     };
+    // A node stands for the pair and for the exchanged one.
+    let both = |omega_in: &Vec3, omega_out: &Vec3| -> Result<([f64; 3], Departure), WriteError> {
+        let (there, back) = (mean(omega_in, omega_out)?, mean(omega_out, omega_in)?);
+        let rgb = std::array::from_fn(|channel| 0.5 * (there[channel] + back[channel]));
+        Ok((rgb, Departure::of(omega_in, omega_out, there, back)))
+    };
     let all: Vec<usize> = (0..merl::NODES).collect();
-    let rgb = all.par_iter().map(|&node| match merl::directions(node) {
-        (omega_in, omega_out) if omega_in.z > 0.0 && omega_out.z > 0.0 => mean(&omega_in, &omega_out).map(Some),
+    let nodes = all.par_iter().map(|&node| match merl::directions(node) {
+        (omega_in, omega_out) if omega_in.z > 0.0 && omega_out.z > 0.0 => both(&omega_in, &omega_out).map(Some),
         // No data below the horizon.
         _ => Ok(None),
     });
-    let mut rgb = rgb.collect::<Result<Vec<Option<[f64; 3]>>, _>>()?;
+    let nodes = nodes.collect::<Result<Vec<Option<([f64; 3], Departure)>>, _>>()?;
+    let departures = nodes.iter().flatten().map(|(_, departure)| *departure);
+    if let Some(largest) = departures.max_by(|a, b| a.share.total_cmp(&b.share)) {
+        largest.notice(notices);
+    }
+    let mut rgb: Vec<Option<[f64; 3]>> = nodes.into_iter().map(|node| node.map(|(rgb, _)| rgb)).collect();
     let mut negative = Vec::new();
     rgb.iter_mut()
         .flatten()
@@ -52,6 +63,48 @@ pub(super) fn write(component: &Component, notices: &mut Vec<String>) -> Result<
     sampler.notice(notices);
     keep(component, &map, &turns_rad, &mut rgb, notices);
     Ok(merl::bytes(&rgb))
+}
+
+/// What a pair of directions loses of its value when it gets the mean of the two that are exchanged.
+#[derive(Clone, Copy)]
+struct Departure {
+    /// Of the mean.
+    share: f64,
+    /// Polar angles in degrees.
+    theta_deg: [f64; 2],
+    /// Values of the channel, 1/sr.
+    values: [f64; 2],
+}
+
+impl Departure {
+    fn of(omega_in: &Vec3, omega_out: &Vec3, there: [f64; 3], back: [f64; 3]) -> Self {
+        let polar = |omega: &Vec3| omega.z.clamp(-1.0, 1.0).acos().to_degrees();
+        let of = |channel: usize| {
+            let (a, b) = (there[channel], back[channel]);
+            let sum = (a + b).abs();
+            if sum > 0.0 { (a - b).abs() / sum } else { 0.0 }
+        };
+        let worst = (0..3).max_by(|a, b| of(*a).total_cmp(&of(*b))).unwrap_or(0);
+        Self {
+            share: of(worst),
+            theta_deg: [polar(omega_in), polar(omega_out)],
+            values: [there[worst], back[worst]],
+        }
+    }
+
+    fn notice(&self, notices: &mut Vec<String>) {
+        /// Below it values differ by interpolation alone.
+        const TOLD: f64 = 1e-3;
+        let ([theta_i, theta_o], [there, back]) = (self.theta_deg, self.values);
+        if self.share > TOLD {
+            notices.push(format!(
+                "merl holds reciprocal data: values are means with light and viewer exchanged; that changes f by up to {:.1} %, at \
+                 incidence {theta_i:.1} degrees towards {theta_o:.1} degrees, where it is {there:.4} one way and {back:.4} the \
+                 other, 1/sr",
+                100.0 * self.share
+            ));
+        }
+    }
 }
 
 /// Scales values by √(a(θ_i) a(θ_o)), which keeps them reciprocal, with a such that hemispherical values are the source's.

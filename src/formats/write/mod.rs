@@ -18,8 +18,10 @@ use crate::colour::ColourError;
 /// What some formats leave to the writer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WriteOptions {
-    /// The component of formats that hold one; without it the reflection from the front.
+    /// What is written; without it all that the format holds, of formats that hold one component the reflection if there is one.
     pub scatter: Option<Scatter>,
+    /// Where the light comes from; without it the front, of formats that state the side both.
+    pub side: Option<Side>,
     /// Of the values of SSDD files.
     pub encoding: Encoding,
 }
@@ -37,6 +39,8 @@ pub enum Encoding {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Written {
     pub bytes: Vec<u8>,
+    /// What is in it, in words.
+    pub components: Vec<String>,
     pub notices: Vec<String>,
 }
 
@@ -45,11 +49,12 @@ pub struct Written {
 pub enum WriteError {
     #[error("{format} files are read but not written; take csv, ddr, sdr, ssdd, astm, merl, rgl or klems")]
     NotWritten { format: Format },
-    #[error("{format} holds {holds}; the source has {found}")]
+    #[error("{format} holds {holds}; the source has {found}; {remedy}")]
     CannotHold {
         format: Format,
-        holds: &'static str,
+        holds: String,
         found: String,
+        remedy: &'static str,
     },
     #[error("the source's values are of a scale it does not state; give the factor to 1/sr (--scale)")]
     Unscaled,
@@ -72,71 +77,32 @@ pub enum WriteError {
 /// # Errors
 /// What the format cannot hold, and where the source has no value that the format needs.
 pub fn write(data: &Goniometric, format: Format, options: &WriteOptions) -> Result<Written, WriteError> {
-    let WriteOptions { scatter, encoding } = *options;
-    let specular = |c: &Component| matches!(c.table, Table::Specular(_));
+    if matches!(format, Format::Zemax | Format::LightTools | Format::Utia | Format::Wif) {
+        return Err(WriteError::NotWritten { format });
+    }
+    let chosen = chosen(data, format, options)?;
     let mut notices = Vec::new();
-    let mut one = |wanted: fn(&Component) -> bool, holds: &'static str| {
-        let mut fitting = data
-            .components
-            .iter()
-            .filter(|c| wanted(c) && scatter.is_none_or(|s| c.scatter == s));
-        let chosen = fitting
-            .clone()
-            .find(|c| c.side == Side::Front)
-            .or_else(|| fitting.next());
-        if data.components.len() > 1 {
-            notices.push(format!(
-                "{format} holds one of the {} components of the source",
-                data.components.len()
-            ));
-        }
-        chosen.ok_or_else(|| WriteError::CannotHold {
-            format,
-            holds,
-            found: "none of that".into(),
-        })
+    let left_out = data.components.iter().filter(|c| !chosen.contains(c));
+    let left_out: Vec<String> = left_out.map(Component::words).collect();
+    if !left_out.is_empty() {
+        notices.push(format!("not in the file, but in the source: {}", left_out.join("; ")));
+    }
+    if format != Format::RadianceXml && chosen.iter().any(|c| c.side == Side::Back) {
+        notices.push(format!(
+            "{format} does not state the side: the light comes from the back, and azimuths run as on the front"
+        ));
+    }
+    let provenance = &data.provenance;
+    let bytes = match (format, &chosen[..]) {
+        (Format::Ddr, [one, ..]) => integra::diffuse(one, provenance, &mut notices)?,
+        (Format::Sdr, [one, ..]) => integra::specular(one, provenance, &mut notices)?,
+        (Format::Astm | Format::Csv, [one, ..]) => columns::write(one, format, provenance, &mut notices)?,
+        (Format::Rgl, [one, ..]) => rgl::write(one, provenance, &mut notices)?,
+        (Format::Merl, [one, ..]) => merl::write(one, &mut notices)?,
+        (Format::Ssdd, all) => ssdd::write(all, provenance, options.encoding, &mut notices)?,
+        (_, all) => radiance::write(all, provenance, &mut notices)?,
     };
-    let diffuse = "scattering over directions, of the kind that was asked for";
-    let bytes = match format {
-        Format::Ddr => {
-            let component = one(|c| !matches!(c.table, Table::Specular(_)), diffuse)?;
-            integra::diffuse(component, &data.provenance, &mut notices)?
-        }
-        Format::Sdr => {
-            let component = one(|c| matches!(c.table, Table::Specular(_)), "specular fractions")?;
-            integra::specular(component, &data.provenance, &mut notices)?
-        }
-        Format::Ssdd => ssdd::write(data, encoding, &mut notices)?,
-        Format::Astm | Format::Csv => {
-            let component = one(|c| !matches!(c.table, Table::Specular(_)), diffuse)?;
-            columns::write(component, format, &data.provenance, &mut notices)?
-        }
-        Format::Rgl | Format::Merl => {
-            let component = one(
-                |c| c.scatter == Scatter::Reflection && !matches!(c.table, Table::Specular(_)),
-                "reflection",
-            )?;
-            if format == Format::Rgl {
-                rgl::write(component, &data.provenance, &mut notices)?
-            } else {
-                merl::write(component, &mut notices)?
-            }
-        }
-        Format::RadianceXml => {
-            if data.components.iter().all(specular) {
-                return Err(WriteError::CannotHold {
-                    format,
-                    holds: diffuse,
-                    found: "specular fractions".into(),
-                });
-            }
-            radiance::write(data, &mut notices)?
-        }
-        Format::Zemax | Format::LightTools | Format::Utia | Format::Wif => {
-            return Err(WriteError::NotWritten { format });
-        }
-    };
-    if format != Format::Csv && data.components.iter().any(states_errors) {
+    if format != Format::Csv && chosen.iter().any(|c| states_errors(c)) {
         notices.push(format!(
             "{format} holds no standard errors: those of the source are left out"
         ));
@@ -148,7 +114,79 @@ pub fn write(data: &Goniometric, format: Format, options: &WriteOptions) -> Resu
             bytes.len()
         ));
     }
-    Ok(Written { bytes, notices })
+    Ok(Written {
+        bytes,
+        components: chosen.into_iter().map(Component::words).collect(),
+        notices,
+    })
+}
+
+/// The components that are written, at least one: those that were asked for and that the format holds. Of formats that hold one
+/// it is, where nothing was asked for, the reflection before the transmission. What comes from the back is written into formats
+/// that do not state the side only where it was asked for.
+fn chosen<'a>(data: &'a Goniometric, format: Format, options: &WriteOptions) -> Result<Vec<&'a Component>, WriteError> {
+    let is_specular = |c: &Component| matches!(c.table, Table::Specular(_));
+    let holds = |c: &Component| match format {
+        Format::Sdr => is_specular(c),
+        Format::Rgl | Format::Merl => !is_specular(c) && c.scatter == Scatter::Reflection,
+        Format::Ssdd | Format::RadianceXml => true,
+        _ => !is_specular(c),
+    };
+    let asked = |c: &Component| {
+        let side = match format {
+            Format::RadianceXml => options.side,
+            _ => Some(options.side.unwrap_or(Side::Front)),
+        };
+        options.scatter.is_none_or(|scatter| c.scatter == scatter) && side.is_none_or(|side| c.side == side)
+    };
+    let mut fitting: Vec<&Component> = data.components.iter().filter(|c| holds(c) && asked(c)).collect();
+    if format == Format::Ssdd {
+        // A block of each kind.
+        let mut kinds = Vec::new();
+        fitting.retain(|c| {
+            let kind = (c.scatter, is_specular(c));
+            let is_first = !kinds.contains(&kind);
+            kinds.push(kind);
+            is_first
+        });
+    }
+    // Klems matrices alone take specular fractions on.
+    let is_held = match format {
+        Format::RadianceXml => fitting.iter().any(|c| !is_specular(c)),
+        _ => !fitting.is_empty(),
+    };
+    if !is_held {
+        let held = match format {
+            Format::Sdr => "specular fractions",
+            Format::Rgl | Format::Merl => "reflection",
+            Format::Ssdd => "scattering and specular fractions",
+            _ => "scattering over directions",
+        };
+        let kind = match options.scatter {
+            Some(Scatter::Reflection) => ", of reflection as was asked for",
+            Some(Scatter::Transmission) => ", of transmission as was asked for",
+            None => "",
+        };
+        let side = match (format, options.side) {
+            (Format::RadianceXml, None) => "",
+            (_, Some(Side::Back)) => ", of light from the back",
+            _ => ", of light from the front",
+        };
+        let there: Vec<String> = data.components.iter().map(Component::words).collect();
+        return Err(WriteError::CannotHold {
+            format,
+            holds: format!("{held}{kind}{side}"),
+            found: there.join("; "),
+            remedy: "choose one with --scatter and --side, or take a format that holds it: klems holds both sides, ssdd \
+                     reflection and transmission",
+        });
+    }
+    if !matches!(format, Format::Ssdd | Format::RadianceXml) {
+        // The first one in the order of the source; sorting keeps it.
+        fitting.sort_by_key(|c| c.scatter == Scatter::Transmission);
+        fitting.truncate(1);
+    }
+    Ok(fitting)
 }
 
 fn states_errors(component: &Component) -> bool {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::super::goniometric::{angles_of, rounded_deg};
 use super::super::klems::{KlemsBasis, KlemsMatrix};
-use super::super::{Channels, Component, Format, Goniometric, Hemispherical, Scatter, Side, SpecularTable, Table};
+use super::super::{Channels, Component, Format, Provenance, Hemispherical, Scatter, Side, SpecularTable, Table};
 use super::WriteError;
 use super::balance::Balance;
 use super::sampling::{ChannelMap, Sampler, clipped};
@@ -18,16 +18,20 @@ const COVERED: f64 = 0.5;
 
 /// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z. Specular fractions are
 /// on their diagonals.
-pub(super) fn write(data: &Goniometric, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+pub(super) fn write(
+    components: &[&Component],
+    provenance: &Provenance,
+    notices: &mut Vec<String>,
+) -> Result<Vec<u8>, WriteError> {
     let mut matrices: Vec<(&Component, KlemsMatrix)> = Vec::new();
-    for component in &data.components {
+    for component in components {
         match &component.table {
             Table::Specular(_) => {}
             Table::Klems(matrix) => matrices.push((component, matrix.clone())),
             _ => matrices.push((component, averaged(component, notices)?)),
         }
     }
-    for component in &data.components {
+    for component in components {
         if let Table::Specular(table) = &component.table {
             let mut alike = matrices.iter_mut();
             let alike = alike.find(|(of, _)| (of.scatter, of.side) == (component.scatter, component.side));
@@ -50,7 +54,7 @@ pub(super) fn write(data: &Goniometric, notices: &mut Vec<String>) -> Result<Vec
         text,
         "<Material><Name>{}</Name><Manufacturer>specval {}</Manufacturer><Thickness unit=\"Meter\">0.001</Thickness>\
          <Width unit=\"Meter\">1</Width><Height unit=\"Meter\">1</Height><DeviceType>Other</DeviceType></Material>",
-        escaped(&name(data)),
+        escaped(&name(provenance)),
         env!("CARGO_PKG_VERSION")
     );
     text += "<DataDefinition>\n<IncidentDataStructure>Columns</IncidentDataStructure>\n";
@@ -73,9 +77,8 @@ pub(super) fn write(data: &Goniometric, notices: &mut Vec<String>) -> Result<Vec
     Ok(text.into_bytes())
 }
 
-fn name(data: &Goniometric) -> String {
-    let stated = data
-        .provenance
+fn name(provenance: &Provenance) -> String {
+    let stated = provenance
         .statements
         .iter()
         .find(|(name, _)| name.eq_ignore_ascii_case("name"));

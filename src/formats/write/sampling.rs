@@ -31,8 +31,9 @@ impl<'a> Sampler<'a> {
             Quantity::Fraction => {
                 return Err(WriteError::CannotHold {
                     format,
-                    holds: "scattering over directions",
+                    holds: "scattering over directions".into(),
                     found: "specular fractions".into(),
+                    remedy: "take sdr or ssdd for specular fractions",
                 });
             }
             Quantity::Bsdf | Quantity::BsdfCosine | Quantity::BrightnessFactor => {}

@@ -3,20 +3,24 @@ use std::fmt::Write;
 
 use super::super::integra::degrees;
 use super::super::{
-    Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Scatter, Side, SpecularTable, Table,
+    Channels, Component, Fold, Format, Grid, Parameters, Provenance, Scatter, SpecularTable, Table,
 };
 use super::integra::{SpecularGrid, line};
 use super::{Encoding, WriteError};
 
-/// Blocks of values with all their digits, or of 32-bit floats, one a component of the front.
-pub(super) fn write(data: &Goniometric, encoding: Encoding, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+/// Blocks of values with all their digits, or of 32-bit floats, one a component.
+pub(super) fn write(
+    components: &[&Component],
+    provenance: &Provenance,
+    encoding: Encoding,
+    notices: &mut Vec<String>,
+) -> Result<Vec<u8>, WriteError> {
     let mut head = format!("VERSION 0.3\nSOFTWARE specval-{}\n", env!("CARGO_PKG_VERSION"));
-    for comment in &data.provenance.comments {
+    for comment in &provenance.comments {
         // Writing to a string cannot fail.
         let _ = writeln!(head, "# {}", comment.replace(['\n', '\r'], " "));
     }
-    let source = data
-        .provenance
+    let source = provenance
         .source
         .as_deref()
         .unwrap_or_default()
@@ -25,19 +29,9 @@ pub(super) fn write(data: &Goniometric, encoding: Encoding, notices: &mut Vec<St
         .into_iter()
         .find(|word| *word == source);
     let mut bytes = head.into_bytes();
-    let mut kinds: Vec<&str> = Vec::new();
     let mut rounded = false;
-    for component in &data.components {
-        if component.side == Side::Back {
-            notices.push("ssdd holds light from the front alone: what comes from the back is left out".into());
-            continue;
-        }
+    for component in components {
         let kind = kind(component);
-        if kinds.contains(&kind) {
-            notices.push(format!("ssdd holds one block {kind}: the others are left out"));
-            continue;
-        }
-        kinds.push(kind);
         let mut text = format!(
             "\nDATA_TYPE {kind}\nCOLOR_MODEL {}\n",
             colour_model(&component.channels)
@@ -83,8 +77,9 @@ fn binary(values: &[f64]) -> Result<Vec<u8>, WriteError> {
     if let Some(value) = values.iter().find(beyond) {
         return Err(WriteError::CannotHold {
             format: Format::Ssdd,
-            holds: "values up to 3.4e38 in binary",
+            holds: "values up to 3.4e38 in binary".into(),
             found: value.to_string(),
+            remedy: "write it as text: --to ssdd",
         });
     }
     let mut bytes: Vec<u8> = values.iter().flat_map(|&value| (value as f32).to_le_bytes()).collect();
