@@ -7,7 +7,7 @@ use super::super::rgl::{Unwarped, write as write_arrays};
 use super::super::warped::unwarped_node;
 use super::super::{Channels, Component, Format, Hemispherical, Provenance, Table};
 use super::WriteError;
-use super::balance::Balance;
+use super::balance::{Balance, mapped};
 use super::sampling::{ChannelMap, Sampler, clipped};
 
 /// Nodes along the square, of isotropic and of anisotropic tables, from the fewest on.
@@ -184,16 +184,12 @@ impl Slices<'_> {
             return vec![1.0; self.count() * self.channels];
         };
         let found = self.hemispherical(&read.components[0]);
-        let mapped = |h: &Hemispherical| Hemispherical {
-            values: self.map.apply(&h.values),
-            ..h.clone()
-        };
         let all = source.iter().zip(&found).enumerate();
         all.flat_map(|(slice, (source, found))| {
             let theta_deg = rounded_deg(self.incidence(slice).1);
             balance.factors(
                 theta_deg,
-                source.as_ref().map(mapped).as_ref(),
+                source.as_ref().map(|of| mapped(of, self.map)).as_ref(),
                 found.as_ref(),
                 self.channels,
             )
