@@ -5,6 +5,7 @@
 
 mod axis;
 mod columns;
+mod cosine;
 mod detect;
 mod error;
 mod goniometric;
