@@ -306,7 +306,7 @@ impl Component {
             sums.errors.iter_mut().zip(cell.errors).for_each(|(sum, e)| *sum += e);
         }
         // The same rule over the whole hemisphere; its error is far below any gap of a table.
-        sums.measured = sums.measured / PI;
+        sums.measured /= PI;
         if sums.measured > 1.0 - 1e-4 {
             sums.measured = 1.0;
         }

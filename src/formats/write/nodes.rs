@@ -1,5 +1,6 @@
 //! Nodes of a table that is resampled, closer where its values bend.
 
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BinaryHeap};
 
 use super::super::{Component, Table};
@@ -99,15 +100,13 @@ impl<'a> Probe<'a> {
         let polar = refined(polar, most_polar, |a, b| {
             let middle = 0.5 * (a + b);
             for theta in [a, middle, b] {
-                if !rows.contains_key(&theta.to_bits()) {
-                    let mut row = Vec::new();
-                    for (incidence, _) in &self.incidences_deg {
-                        for &phi in &probed {
-                            row.push(value(*incidence, theta, phi)?);
-                        }
-                    }
-                    rows.insert(theta.to_bits(), row);
-                }
+                keep(&mut rows, theta, || {
+                    let places = self
+                        .incidences_deg
+                        .iter()
+                        .flat_map(|(i, _)| probed.iter().map(move |&phi| (*i, phi)));
+                    places.map(|(incidence, phi)| value(incidence, theta, phi)).collect()
+                })?;
             }
             let [low, mid, high] = [a, middle, b].map(|theta| &rows[&theta.to_bits()]);
             let mut worst = 0.0f64;
@@ -127,15 +126,13 @@ impl<'a> Probe<'a> {
         let around = refined(around, most_around, |a, b| {
             let middle = 0.5 * (a + b);
             for phi in [a, middle, b] {
-                if !columns.contains_key(&phi.to_bits()) {
-                    let mut column = Vec::new();
-                    for (incidence, _) in &self.incidences_deg {
-                        for &theta in &polar {
-                            column.push(value(*incidence, theta, phi)?);
-                        }
-                    }
-                    columns.insert(phi.to_bits(), column);
-                }
+                keep(&mut columns, phi, || {
+                    let places = self
+                        .incidences_deg
+                        .iter()
+                        .flat_map(|(i, _)| polar.iter().map(move |&theta| (*i, theta)));
+                    places.map(|(incidence, theta)| value(incidence, theta, phi)).collect()
+                })?;
             }
             let [low, mid, high] = [a, middle, b].map(|phi| &columns[&phi.to_bits()]);
             let mut worst = 0.0f64;
@@ -153,6 +150,18 @@ impl<'a> Probe<'a> {
         })?;
         Ok([polar, around])
     }
+}
+
+/// Values at an angle, worked out once.
+fn keep(
+    all: &mut BTreeMap<u64, Vec<f64>>,
+    angle_deg: f64,
+    values: impl FnOnce() -> Result<Vec<f64>, WriteError>,
+) -> Result<(), WriteError> {
+    if let Entry::Vacant(vacant) = all.entry(angle_deg.to_bits()) {
+        vacant.insert(values()?);
+    }
+    Ok(())
 }
 
 fn every_third(nodes: &[f64]) -> Vec<f64> {
