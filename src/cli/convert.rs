@@ -113,7 +113,12 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     if let (Some(by_name), Some(asked)) = (scatter, arguments.chosen.scatter)
         && by_name != asked
     {
-        let extension = match (output.extension().is_some_and(|e| e.to_string_lossy().starts_with(['s', 'S'])), asked) {
+        let extension = match (
+            output
+                .extension()
+                .is_some_and(|e| e.to_string_lossy().starts_with(['s', 'S'])),
+            asked,
+        ) {
             (true, Scatter::Reflection) => "sdr",
             (true, Scatter::Transmission) => "sdt",
             (false, Scatter::Reflection) => "ddr",
@@ -158,6 +163,9 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     };
     terminal.result(&converted, |c| {
         let components = c.components.join("; ");
-        format!("{} bytes of {} written to {}: {components}\n", c.bytes, c.format, c.output)
+        format!(
+            "{} bytes of {} written to {}: {components}\n",
+            c.bytes, c.format, c.output
+        )
     })
 }

@@ -1,5 +1,5 @@
-use super::inspect::scatter_of;
 use super::convert::{ConvertError, Target, by_extension, target_of};
+use super::inspect::scatter_of;
 use super::{Failure, Options, Replace, Terminal, claim, in_words};
 use serde::Serialize;
 use specval::artefact::Identity;
@@ -221,7 +221,10 @@ pub fn run(
         components: bsdf.components(colours, format == Format::Csv, &mut notices)?,
         warnings: Vec::new(),
     };
-    let written = formats::write(&data, format, &WriteOptions {
+    let written = formats::write(
+        &data,
+        format,
+        &WriteOptions {
             scatter,
             encoding,
             side: None,

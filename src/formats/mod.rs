@@ -124,7 +124,13 @@ fn counted(all: Vec<String>) -> Vec<String> {
             None => times.push((words, 1)),
         }
     }
-    let told = |(words, count): (String, usize)| if count == 1 { words } else { format!("{words} ({count} times)") };
+    let told = |(words, count): (String, usize)| {
+        if count == 1 {
+            words
+        } else {
+            format!("{words} ({count} times)")
+        }
+    };
     times.into_iter().map(told).collect()
 }
 

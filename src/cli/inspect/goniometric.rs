@@ -3,8 +3,8 @@ use super::Chosen;
 use super::series::Series;
 use serde::Serialize;
 use specval::formats::{
-    Axis, Channels, Component, Directions, Fold, Format, Goniometric, Hemispherical, KlemsBasis, Parameters, Provenance,
-    Quantity, Scatter, Scattered, Side, Table,
+    Axis, Channels, Component, Directions, Fold, Format, Goniometric, Hemispherical, KlemsBasis, Parameters,
+    Provenance, Quantity, Scatter, Scattered, Side, Table,
 };
 use std::fmt::Write;
 
@@ -121,7 +121,9 @@ impl Part {
                 most(worst)
             ));
         }
-        let partial = rows.iter().filter(|r| r.measured < 1.0 && self.quantity != Quantity::Fraction);
+        let partial = rows
+            .iter()
+            .filter(|r| r.measured < 1.0 && self.quantity != Quantity::Fraction);
         if let Some(worst) = partial.clone().min_by(|a, b| a.measured.total_cmp(&b.measured)) {
             warnings.push(format!(
                 "at {} of {} incidences the projected hemisphere was measured in part alone, least at {} degrees: {:.1} %; the \
@@ -241,7 +243,8 @@ fn describe(component: &Component) -> Described {
         Table::Tree(tree) => {
             let rank = if tree.is_isotropic() { 3 } else { 4 };
             let cells = tree.cells();
-            let parameters = format!("tensor tree of rank {rank}, {cells} cells; directions by place in the unit square");
+            let parameters =
+                format!("tensor tree of rank {rank}, {cells} cells; directions by place in the unit square");
             (parameters, Vec::new(), cells)
         }
         Table::Specular(table) => {
@@ -303,7 +306,9 @@ fn axes_of(scattered: &Scattered) -> (Vec<AxisRow>, usize) {
     };
     let readings = scattered.readings();
     let axis = |(level, name): (usize, &&'static str)| {
-        let all = readings.iter().map(|(angles, _)| (angles[level].to_degrees() * 1e9).round() / 1e9);
+        let all = readings
+            .iter()
+            .map(|(angles, _)| (angles[level].to_degrees() * 1e9).round() / 1e9);
         AxisRow::new(name, all.collect())
     };
     (names.iter().enumerate().map(axis).collect(), readings.len())

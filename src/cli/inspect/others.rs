@@ -50,7 +50,11 @@ pub fn draft(path: &Path, terminal: &Terminal) -> Result<(), Failure> {
                 0 => "spacing not stated".to_owned(),
                 _ => format!("spacing {} mm", of.spacing_mm[index].words()),
             };
-            let _ = writeln!(text, "{name:<12} {count}, {} with a colour, {spacing}", of.coloured[index]);
+            let _ = writeln!(
+                text,
+                "{name:<12} {count}, {} with a colour, {spacing}",
+                of.coloured[index]
+            );
         }
         warned(&mut text, &of.warnings);
         text

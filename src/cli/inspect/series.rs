@@ -20,7 +20,10 @@ impl Series {
     /// The step, where all are equal but for rounding; `None` of a single number.
     pub fn step(&self) -> Option<f64> {
         let step = self.0.get(1)? - self.0[0];
-        let even = self.0.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() <= 1e-6 * step.abs());
+        let even = self
+            .0
+            .windows(2)
+            .all(|pair| (pair[1] - pair[0] - step).abs() <= 1e-6 * step.abs());
         even.then_some((step * 1e6).round() / 1e6)
     }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::super::goniometric::{angles_of, rounded_deg};
 use super::super::klems::{KlemsBasis, KlemsMatrix};
-use super::super::{Channels, Component, Format, Provenance, Hemispherical, Scatter, Side, SpecularTable, Table};
+use super::super::{Channels, Component, Format, Hemispherical, Provenance, Scatter, Side, SpecularTable, Table};
 use super::WriteError;
 use super::balance::Balance;
 use super::sampling::{ChannelMap, Sampler, clipped};

@@ -2,9 +2,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use super::super::integra::degrees;
-use super::super::{
-    Channels, Component, Fold, Format, Grid, Parameters, Provenance, Scatter, SpecularTable, Table,
-};
+use super::super::{Channels, Component, Fold, Format, Grid, Parameters, Provenance, Scatter, SpecularTable, Table};
 use super::integra::{SpecularGrid, line};
 use super::{Encoding, WriteError};
 
@@ -20,11 +18,7 @@ pub(super) fn write(
         // Writing to a string cannot fail.
         let _ = writeln!(head, "# {}", comment.replace(['\n', '\r'], " "));
     }
-    let source = provenance
-        .source
-        .as_deref()
-        .unwrap_or_default()
-        .to_ascii_lowercase();
+    let source = provenance.source.as_deref().unwrap_or_default().to_ascii_lowercase();
     let source = ["measured", "generated", "edited"]
         .into_iter()
         .find(|word| *word == source);
