@@ -103,6 +103,68 @@ fn dialects() {
     assert_eq!(drawdown(&parse(&none))[1], ".X...XX.");
 }
 
+/// What other programs write, and other readers take.
+#[test]
+fn usual_files_are_read() {
+    let whole = text("twill22.wif");
+    let rising = drawdown(&parse(&whole));
+    for (from, to, told) in [
+        ("8=4\n\n[TIEUP]", "8=4   ; the last thread\n\n[TIEUP]", None),
+        ("Rising Shed=true", "Rising Shed=true ;optional", None),
+        ("[WIF]", "exported by a loom\n\n[WIF]", Some("(1 line)")),
+        (
+            "[THREADING]",
+            "[PRIVATE LOOM]\nno equals sign\n1=x\n[PRIVATE LOOM]\n[THREADING]",
+            None,
+        ),
+        ("8=2", "8=7", Some("[COLOR TABLE] does not have (7)")),
+        (
+            "[WEFT COLORS]\n",
+            "[WEFT COLORS]\n99=1\n",
+            Some("threads that the draft does not have (99)"),
+        ),
+        (
+            "[CONTENTS]\n",
+            "[CONTENTS]\nWEFT SYMBOLS=1\nNOTES=no\n",
+            Some("promises [WEFT SYMBOLS]"),
+        ),
+    ] {
+        assert!(whole.contains(from), "{from}");
+        let draft = parse(&whole.replacen(from, to, 1));
+        assert_eq!(drawdown(&draft), rising, "{to}");
+        match told {
+            Some(words) => assert!(draft.warnings.iter().any(|w| w.contains(words)), "{:?}", draft.warnings),
+            None => assert_eq!(draft.warnings, Vec::<String>::new(), "{to}"),
+        }
+    }
+    for bytes_of in [u16::to_le_bytes, u16::to_be_bytes] {
+        let utf16: Vec<u8> = whole.encode_utf16().flat_map(bytes_of).collect();
+        assert_eq!(drawdown(&WeaveDraft::parse("x.wif", &utf16).unwrap()), rising);
+    }
+    let latin: Vec<u8> = [b"; M\xfcller\n", whole.as_bytes()].concat();
+    assert_eq!(drawdown(&WeaveDraft::parse("x.wif", &latin).unwrap()), rising);
+}
+
+/// Picks that lift nothing are told, and a draft of such picks alone is none.
+#[test]
+fn picks_without_shafts_are_told() {
+    let whole = text("twill22.wif");
+    let treadling = whole.find("[TREADLING]").unwrap();
+    let (before, behind) = whole.split_at(treadling);
+    let some = parse(&format!("{before}{}", behind.replacen("3=3\n4=4\n", "3=\n", 1)));
+    assert!(
+        some.warnings
+            .iter()
+            .any(|w| w.starts_with("2 picks (3, 4) lift no shaft")),
+        "{:?}",
+        some.warnings
+    );
+    let colours = whole.find("[WARP COLORS]").unwrap();
+    let none = format!("{before}[TREADLING]\n1=\n2=\n8=\n{}", &whole[colours..]);
+    let error = WeaveDraft::parse("x.wif", none.as_bytes()).unwrap_err();
+    assert!(error.to_string().contains("none that does"), "{error}");
+}
+
 #[test]
 fn faults_are_named() {
     let whole = text("twill22.wif");
@@ -112,7 +174,6 @@ fn faults_are_named() {
         ("8=4\n\n[TIEUP]", "x=4\n\n[TIEUP]", "whole number"),
         ("8=4\n\n[TIEUP]", "7=4\n\n[TIEUP]", "once"),
         ("8=4\n\n[WARP COLORS]", "8=9\n\n[WARP COLORS]", "treadle"),
-        ("8=2", "8=7", "[COLOR TABLE]"),
         ("[TREADLING]", "[TRAMPLING]", "[LIFTPLAN]"),
         ("[WEFT COLORS]", "[WARP COLORS]", "once"),
         ("Rising Shed=true", "Rising Shed=maybe", "true or false"),

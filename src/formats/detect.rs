@@ -121,7 +121,7 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<Format, Forma
     }
     let of_text = of_text(&text);
     // Numbers without a header may begin with any byte.
-    if size == utia::SIZE && head.contains(&0) && of_text != Some(Format::Ssdd) {
+    if size == utia::SIZE && (of_text.is_none() || head.contains(&0)) && of_text != Some(Format::Ssdd) {
         return Ok(Format::Utia);
     }
     if let Some(format) = of_text {

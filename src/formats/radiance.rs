@@ -139,7 +139,8 @@ pub(super) fn read(text: Text) -> Result<Goniometric, FormatError> {
     let mut warnings = Vec::new();
     if !text.text[..begins].trim().is_empty() {
         let lines = text.text[..begins].lines().count();
-        warnings.push(format!("{lines} lines before the XML are passed over"));
+        let unit = if lines == 1 { "line" } else { "lines" };
+        warnings.push(format!("text before the XML is passed over ({lines} {unit})"));
     }
     let mut readings = Readings::default();
     let blocks = blocks(&xml, layer, rank.is_some(), &mut warnings)?;

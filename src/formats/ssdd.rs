@@ -384,7 +384,7 @@ fn values(
             for (index, value) in stored.enumerate() {
                 let at = lines.position + 4 * index;
                 if !(value.is_finite() && range.contains(&value)) {
-                    let found = value.to_string();
+                    let found = format!("{value:?}");
                     return Err(FormatError::byte(lines.path, at, expected, found, remedy::DAMAGED));
                 }
                 readings.take(value, at);

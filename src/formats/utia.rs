@@ -39,7 +39,7 @@ pub(super) fn read(path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Go
     let mut values = Vec::with_capacity(COUNT);
     for (index, stored) in bytes.chunks_exact(8).map(stored).enumerate() {
         if !stored.is_finite() || stored.abs() > 1e30 {
-            let found = stored.to_string();
+            let found = format!("{stored:?}");
             return Err(FormatError::byte(
                 path,
                 8 * index,

@@ -105,7 +105,10 @@ impl<'a> Ini<'a> {
         }
         let mut warnings = Vec::new();
         if before > 0 {
-            warnings.push(format!("{before} lines before the first section are passed over"));
+            let lines = if before == 1 { "line" } else { "lines" };
+            warnings.push(format!(
+                "text before the first section is passed over ({before} {lines})"
+            ));
         }
         Ok(Self {
             text,
