@@ -86,7 +86,9 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         adaptation: arguments.adaptation,
     };
     let system = ColourSystem::new(&spectra.grid, convention.clone())?;
-    system.require().map_err(|e| format!("{}: {e}", arguments.file.display()))?;
+    system
+        .require()
+        .map_err(|e| format!("{}: {e}", arguments.file.display()))?;
     notices.extend(system.doubt().map(|why| format!("the colours are doubtful: {why}")));
     for notice in &notices {
         terminal.notice(notice);
@@ -140,6 +142,8 @@ fn named(file: SpectraFile) -> Result<Spectra, Failure> {
         .first()
         .map_or_else(WavelengthGrid::preprint, |(_, samples)| samples.grid().clone());
     for (name, samples) in file.spectra {
+        // A title may have been wrapped by a spreadsheet.
+        let name = name.replace('\n', " ");
         let notices = plausibility::reflectances(&name, samples.values())?;
         all.push(Spectrum {
             name,
