@@ -30,6 +30,8 @@ fn commit() -> Option<String> {
         git = text.trim().strip_prefix("gitdir: ")?.into();
     }
     let head = read(&git.join("HEAD"))?;
+    // Grows with every commit, also where the branch's own file does not exist because its reference is packed.
+    read(&git.join("logs/HEAD"));
     let Some(name) = head.strip_prefix("ref: ") else {
         return Some(head);
     };

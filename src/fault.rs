@@ -1,7 +1,12 @@
 //! Deliberate faults of the physics, for tests alone: each must turn a gate of [`crate::check`] red.
 //!
 //! Without the cargo feature `faults` (off by default, never in a release) [`active`] is a constant `false` and the seams
-//! compile to nothing. With it one fault may be named in the environment variable `SPECVAL_FAULT`, read once.
+//! compile to nothing. With it one fault may be named in the environment variable `SPECVAL_FAULT`, read once, or committed by `commit`.
+
+#[cfg(feature = "faults")]
+use std::sync::LazyLock;
+#[cfg(feature = "faults")]
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// One fault, named in `SPECVAL_FAULT` as [`Fault::name`] says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,10 +39,58 @@ pub enum Fault {
     AxisMirror,
     /// Absorbed light counted at half of what it is.
     HalfAbsorbed,
+    /// Camera rays jittered over half of their pixel alone.
+    HalfPixel,
+    /// The draft woven in its mirror image: the first warp last.
+    DraftMirrored,
+    /// The draft read with its wefts up where warps are: the cloth's back for its face.
+    FacesExchanged,
+    /// The plane of incidence along the warp, whatever the rig's azimuth.
+    AzimuthIgnored,
+    /// Centre lines of the mesh a tenth too low.
+    CrimpLow,
+    /// Light from the mirror side of the normal.
+    LightMirrored,
+    /// The gloss about the cloth's normal doubled.
+    GlossDoubled,
+    /// The shadow ray meets the yarn it starts on.
+    OwnShadow,
+    /// A hundredth of the light that leaves the cloth is not counted.
+    ClothLoss,
+    /// The Percus–Yevick factor worked out, and left out of the phase function.
+    InterferenceUnused,
+    /// |S1|² alone in the phase function, as of light polarised across the scattering plane.
+    OnePolarisation,
+    /// μ_s of the medium 1 % too high.
+    ScatteringHigh,
+    /// κ of the particles not divided by the host's index.
+    KappaAbsolute,
+    /// The size parameter with the vacuum wavelength.
+    VacuumSize,
+    /// Independent paths: μ_a of the wavelength in the middle 2 % too high.
+    OneAbsorption,
+    /// Shared paths fly and are weighed with 1 % more μ_s than the medium has.
+    FlightsShort,
+    /// Shared paths turn by the phase function of the hero's neighbour.
+    NeighbourAngle,
+    /// Re-absorption with the sign of the change reversed.
+    ReabsorptionSign,
+    /// f* looked up half a cell of tilt beside.
+    TiltHalfCell,
+    /// f* looked up with the sign of the azimuth reversed.
+    AzimuthSign,
+    /// Light binned into the next cell of exit azimuth.
+    ExitAzimuthShift,
+    /// Light binned with its tangent reversed.
+    ExitTangentMirrored,
+    /// Standard errors of half their size.
+    ErrorsHalved,
+    /// Normalisation by red in place of luminance.
+    NormalisedByRed,
 }
 
 impl Fault {
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 38] = [
         Self::KappaSign,
         Self::FresnelPolarisation,
         Self::MissingCosine,
@@ -52,6 +105,30 @@ impl Fault {
         Self::DyeScale,
         Self::AxisMirror,
         Self::HalfAbsorbed,
+        Self::HalfPixel,
+        Self::DraftMirrored,
+        Self::FacesExchanged,
+        Self::AzimuthIgnored,
+        Self::CrimpLow,
+        Self::LightMirrored,
+        Self::GlossDoubled,
+        Self::OwnShadow,
+        Self::ClothLoss,
+        Self::InterferenceUnused,
+        Self::OnePolarisation,
+        Self::ScatteringHigh,
+        Self::KappaAbsolute,
+        Self::VacuumSize,
+        Self::OneAbsorption,
+        Self::FlightsShort,
+        Self::NeighbourAngle,
+        Self::ReabsorptionSign,
+        Self::TiltHalfCell,
+        Self::AzimuthSign,
+        Self::ExitAzimuthShift,
+        Self::ExitTangentMirrored,
+        Self::ErrorsHalved,
+        Self::NormalisedByRed,
     ];
 
     pub fn name(self) -> &'static str {
@@ -70,6 +147,30 @@ impl Fault {
             Self::DyeScale => "dye-scale",
             Self::AxisMirror => "axis-mirror",
             Self::HalfAbsorbed => "half-absorbed",
+            Self::HalfPixel => "half-pixel",
+            Self::DraftMirrored => "draft-mirrored",
+            Self::FacesExchanged => "faces-exchanged",
+            Self::AzimuthIgnored => "azimuth-ignored",
+            Self::CrimpLow => "crimp-low",
+            Self::LightMirrored => "light-mirrored",
+            Self::GlossDoubled => "gloss-doubled",
+            Self::OwnShadow => "own-shadow",
+            Self::ClothLoss => "cloth-loss",
+            Self::InterferenceUnused => "interference-unused",
+            Self::OnePolarisation => "one-polarisation",
+            Self::ScatteringHigh => "scattering-high",
+            Self::KappaAbsolute => "kappa-absolute",
+            Self::VacuumSize => "vacuum-size",
+            Self::OneAbsorption => "one-absorption",
+            Self::FlightsShort => "flights-short",
+            Self::NeighbourAngle => "neighbour-angle",
+            Self::ReabsorptionSign => "reabsorption-sign",
+            Self::TiltHalfCell => "tilt-half-cell",
+            Self::AzimuthSign => "azimuth-sign",
+            Self::ExitAzimuthShift => "exit-azimuth-shift",
+            Self::ExitTangentMirrored => "exit-tangent-mirrored",
+            Self::ErrorsHalved => "errors-halved",
+            Self::NormalisedByRed => "normalised-by-red",
         }
     }
 }
@@ -81,14 +182,25 @@ pub const fn active(_: Fault) -> bool {
     false
 }
 
-/// Whether this fault is to be committed: the one that `SPECVAL_FAULT` names. A name of none is none.
+/// Whether this fault is to be committed: the one that [`commit`] or `SPECVAL_FAULT` names. A name of none is none.
 #[cfg(feature = "faults")]
 #[inline]
 pub fn active(fault: Fault) -> bool {
-    use std::sync::LazyLock;
-    static CHOSEN: LazyLock<Option<Fault>> = LazyLock::new(|| {
-        let name = std::env::var("SPECVAL_FAULT").ok()?;
-        Fault::ALL.into_iter().find(|fault| fault.name() == name)
-    });
-    *CHOSEN == Some(fault)
+    COMMITTED.load(Relaxed) == fault as usize
 }
+
+/// Commits this fault from now on, in place of any other.
+#[cfg(feature = "faults")]
+pub fn commit(fault: Option<Fault>) {
+    COMMITTED.store(fault.map_or(NONE, |fault| fault as usize), Relaxed);
+}
+
+#[cfg(feature = "faults")]
+const NONE: usize = usize::MAX;
+
+#[cfg(feature = "faults")]
+static COMMITTED: LazyLock<AtomicUsize> = LazyLock::new(|| {
+    let name = std::env::var("SPECVAL_FAULT").unwrap_or_default();
+    let named = Fault::ALL.into_iter().find(|fault| fault.name() == name);
+    AtomicUsize::new(named.map_or(NONE, |fault| fault as usize))
+});

@@ -12,6 +12,7 @@ pub mod compare;
 pub mod fault;
 pub mod formats;
 pub mod geometry;
+pub mod number;
 pub mod optics;
 pub mod output;
 pub mod report;

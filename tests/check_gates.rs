@@ -137,6 +137,72 @@ fn false_alarms(runs: u64) -> Vec<(u64, Vec<&'static str>)> {
         .collect()
 }
 
+/// Studies at the ends of their keys' ranges, where laws hold and light is rare, all but absorbed, or turned by next to nothing.
+const VALID: [&str; 8] = [
+    "[medium]\nkappa_peak = 0.1",
+    "[medium]\nvolume_fraction = 0.0",
+    "[medium]\nvolume_fraction = 1e-6",
+    "[medium]\nhost_index = 1.0\nparticle_index = 1.05",
+    "[medium]\nparticle_index = 1.557",
+    "[medium]\nparticle_diameter_nm = 1.0",
+    "[medium]\nhost_mu_a_per_mm = 50.0",
+    "[yarn]\nradius_mm = 1e-6",
+];
+
+#[test]
+fn valid_studies_at_the_ends_of_the_ranges_break_no_law() {
+    let alarms: Vec<(&str, Vec<String>)> = VALID
+        .iter()
+        .filter_map(|keys| {
+            let study = Study::from_toml(&format!("{SMALL}{WIDE}{keys}\n"), "study").unwrap();
+            let plan = Plan::new(study).unwrap();
+            let checked = check::study(&plan, CheckEffort::of_paths(4096).unwrap(), &|_| ()).unwrap();
+            let broken = checked.gates.iter().filter(|gate| gate.verdict == Verdict::Broken);
+            let broken: Vec<String> = broken
+                .map(|gate| format!("{}: {}", gate.name, gate.message()))
+                .collect();
+            (!broken.is_empty()).then_some((*keys, broken))
+        })
+        .collect();
+    assert!(alarms.is_empty(), "{alarms:#?}");
+}
+
+/// White yarns that send light out all around would reflect and transmit more than all light at grazing incidence; `measure` says
+/// so on stderr and in its file, which stays one that is read.
+#[test]
+fn grazing_incidence_is_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let small = "[trace]\nbatches = 2\npaths_direct = 200\npaths_bssrdf = 20\n[spectrum]\nwavelengths_nm = [550.0]\n";
+    let of = |rig: &str| {
+        fs::write(
+            here.join("study.toml"),
+            format!("{small}[rig]\npixels_per_side = 4\n{rig}\n"),
+        )
+        .unwrap();
+        let output = specval(here, &["measure", "study.toml", "--out", "curves.csv"]);
+        assert_eq!(output.status.code(), Some(0));
+        let text = fs::read_to_string(here.join("curves.csv")).unwrap();
+        (String::from_utf8(output.stderr).unwrap(), text)
+    };
+    let (told, text) = of("incidences_deg = [0.0, 60.0, 89.0, 89.9]");
+    assert!(
+        told.contains("gains energy") && told.contains("89 deg (") && told.contains("89.9 deg ("),
+        "{told}"
+    );
+    assert!(
+        !told.contains("60 deg (") && text.starts_with("# shading with f* gains energy"),
+        "{text}"
+    );
+    let (told, text) = of("incidences_deg = [0.0, 60.0]");
+    assert!(
+        !told.contains("energy") && text.starts_with("theta_i_deg"),
+        "{told} {text}"
+    );
+    let (told, _) = of("incidences_deg = [0.0, 89.9]\n[cloth]\nmethod = \"volumetric\"");
+    assert!(!told.contains("energy"), "{told}");
+}
+
 /// A run has a false alarm with probability 1e-3, five of them with 5e-3.
 #[test]
 fn clean_runs_raise_no_alarm() {

@@ -134,7 +134,7 @@ fn a_killed_report_goes_on_to_the_same_bytes() {
     let output = run(whole.path(), &REPORT);
     assert!(output.stderr.is_empty());
     let expected = files(whole.path());
-    assert_eq!(expected.len(), 5 + 2 * 4);
+    assert_eq!(expected.len(), 6 + 2 * 4);
     assert_eq!(effort(whole.path())["stopped_by"], "paths");
     assert_eq!(effort(whole.path())["batches"], 16);
 
@@ -279,7 +279,7 @@ fn without_a_state_a_run_begins_at_its_beginning_and_says_so() {
         "{notices}"
     );
     assert!(
-        run(folder.path(), &[&arguments[..], &["--quiet"]].concat())
+        run(folder.path(), &[&arguments[..], &["--quiet", "--force"]].concat())
             .stderr
             .is_empty()
     );

@@ -205,6 +205,7 @@ fn impossible_cloth_is_refused_with_its_remedy() {
         ClothError::Overlap {
             first,
             second,
+            neighbours: None,
             overlap_mm,
             remedy,
         } => {

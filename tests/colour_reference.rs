@@ -6,7 +6,7 @@ use specval::colour::{
     Adaptation, ColourError, ColourSystem, Convention, Illuminant, Lab, LinearRgb, Observer, RgbSpace, delta_e_2000,
 };
 use specval::run::Plan;
-use specval::spectrum::WavelengthGrid;
+use specval::spectrum::{Spectrum, WavelengthGrid, tables};
 use specval::study::{ColourSection, Study};
 
 /// Rows of a reference table by column name.
@@ -157,8 +157,93 @@ fn channel_weights_are_the_conversion() {
     }
 }
 
+fn grid(nm: impl IntoIterator<Item = u32>) -> WavelengthGrid {
+    WavelengthGrid::new(nm.into_iter().map(f64::from).collect()).unwrap()
+}
+
+/// Coarse, short and uneven grids, and some beyond the tables.
+fn grids() -> Vec<WavelengthGrid> {
+    vec![
+        grid([450, 550, 650]),
+        grid((440..=720).step_by(10)),
+        grid((400..=700).step_by(10)),
+        grid((400..=700).step_by(20)),
+        grid((400..=700).step_by(50)),
+        grid((380..=730).step_by(7)),
+        grid([405, 436, 546, 578, 633, 694]),
+        grid((300..=1000).step_by(10)),
+        grid((390..=490).step_by(5).chain((500..=730).step_by(10))),
+    ]
+}
+
 #[test]
-fn a_grid_with_unequal_steps_weighs_by_interval() {
+fn grey_stays_grey_on_any_grid() {
+    for convention in Convention::all() {
+        let whole = ColourSystem::new(&grid([450, 550, 650]), convention.clone()).unwrap();
+        for grid in grids() {
+            let system = ColourSystem::new(&grid, convention.clone()).unwrap();
+            let colour = system.convert(&vec![0.4; grid.len()]);
+            // One white for all of them.
+            for (found, of) in [
+                (system.white().x, whole.white().x),
+                (system.white().z, whole.white().z),
+                (colour.xyz.x, 0.4 * whole.white().x),
+                (colour.xyz.y, 0.4),
+                (colour.xyz.z, 0.4 * whole.white().z),
+            ] {
+                assert!((found - of).abs() < 1e-13, "{convention} {:?} {found} {of}", grid.nm());
+            }
+            let [r, g, b] = colour.linear_rgb.0;
+            if convention == Convention::default() {
+                // The table's D65 against the white of sRGB, four digits of chromaticity.
+                assert!((b / r - 1.0).abs() < 1e-3 && (g / r - 1.0).abs() < 1e-3, "{b} {g} {r}");
+            }
+        }
+    }
+    // 0.95047, 1.08883 are the published sums of D65 and the 2 degree observer (CIE 15).
+    let white = ColourSystem::new(&grid([450, 550, 650]), Convention::default())
+        .unwrap()
+        .white();
+    assert!(
+        (white.x - 0.95047).abs() < 1e-5 && (white.z - 1.08883).abs() < 1e-5,
+        "{white:?}"
+    );
+}
+
+/// What is lost of real colours between coarse or missing wavelengths, as the documentation of `ColourSystem` states it.
+#[test]
+fn interpolated_colours_against_the_finest_data() {
+    let spectra = spectra();
+    let real = |name: &str| ["cc", "red", "usgs"].iter().any(|begins| name.starts_with(begins));
+    let preprint = WavelengthGrid::preprint();
+    let lab = |grid: &WavelengthGrid, all: &[f64]| {
+        let at = |nm: &f64| all[((nm - 390.0) / 10.0) as usize];
+        let system = ColourSystem::new(grid, Convention::default()).unwrap();
+        system.convert(&grid.nm().iter().map(at).collect::<Vec<_>>()).lab.0
+    };
+    for (name, of, allowed) in [
+        ("400..700/10", grid((400..=700).step_by(10)), 0.04),
+        ("390..730/20", grid((390..=730).step_by(20)), 0.3),
+        ("400..700/20", grid((400..=700).step_by(20)), 0.3),
+        ("three", grid([450, 550, 650]), 20.0),
+    ] {
+        let mut worst: (f64, &str) = (0.0, "");
+        for (spectrum, all) in spectra.iter().filter(|(name, _)| real(name)) {
+            let pair = std::iter::zip(lab(&of, all), lab(&preprint, all));
+            let difference = pair.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+            worst = if difference > worst.0 {
+                (difference, spectrum)
+            } else {
+                worst
+            };
+        }
+        println!("{name}: at most {:.3} of {}", worst.0, worst.1);
+        assert!(worst.0 < allowed && worst.0 > allowed / 4.0, "{name}: {worst:?}");
+    }
+}
+
+#[test]
+fn a_grid_with_unequal_steps_is_interpolated_linearly() {
     let convention = Convention {
         illuminant: Illuminant::E,
         ..Convention::default()
@@ -167,27 +252,82 @@ fn a_grid_with_unequal_steps_weighs_by_interval() {
     let found = ColourSystem::new(&uneven, convention.clone())
         .unwrap()
         .xyz(&[1.0, 0.0, 0.5]);
-    // ybar and xbar of the CIE 1931 table at 450, 500, 600 nm; widths 50, 75, 100 nm.
-    let y = 50.0 * 0.038 + 75.0 * 0.323 + 100.0 * 0.631;
-    assert!((found.y - (50.0 * 0.038 + 50.0 * 0.631) / y).abs() < 1e-15);
-    assert!((found.x - (50.0 * 0.3362 + 50.0 * 1.0622) / y).abs() < 1e-15);
+    let beta = |nm: f64| match nm {
+        ..450.0 => 1.0,
+        450.0..500.0 => 1.0 - (nm - 450.0) / 50.0,
+        500.0..600.0 => 0.5 * (nm - 500.0) / 100.0,
+        _ => 0.5,
+    };
+    let table = tables::observer("cie1931-2deg").unwrap();
+    let sum = |of: &Spectrum, beta: &dyn Fn(f64) -> f64| -> f64 {
+        (360..=780).map(f64::from).map(|nm| of.at(nm).unwrap() * beta(nm)).sum()
+    };
+    let whole = sum(&table.y_bar, &|_| 1.0);
+    for (found, of) in [
+        (found.x, &table.x_bar),
+        (found.y, &table.y_bar),
+        (found.z, &table.z_bar),
+    ] {
+        assert!((found - sum(of, &beta) / whole).abs() < 1e-14);
+    }
     // Equal steps that decimals cannot write exactly are still plain sums.
-    let tenth = WavelengthGrid::new((0..3000).map(|i| 400.0 + f64::from(i) * 0.1).collect()).unwrap();
+    let tenth = WavelengthGrid::new((0..4000).map(|i| 380.0 + f64::from(i) * 0.1).collect()).unwrap();
     let system = ColourSystem::new(&tenth, convention).unwrap();
-    assert!((system.white().y - 1.0).abs() < 1e-12);
+    assert!(system.method().starts_with("plain sums") && (system.white().y - 1.0).abs() < 1e-12);
 }
 
 #[test]
-fn a_grid_without_colour_is_refused() {
-    for (nm, outside) in [
-        (vec![700.0], false),
-        (vec![340.0, 500.0], true),
-        (vec![500.0, 800.0], true),
+fn what_cannot_carry_a_colour_says_so() {
+    let of = |nm: &[u32]| ColourSystem::new(&grid(nm.iter().copied()), Convention::default()).unwrap();
+    let ranges = |from: u32, to: u32, step: usize| of(&(from..=to).step_by(step).collect::<Vec<_>>());
+    for system in [
+        ranges(390, 730, 10),
+        ranges(400, 700, 10),
+        ranges(410, 710, 20),
+        ranges(300, 1000, 10),
     ] {
-        let grid = WavelengthGrid::new(nm).unwrap();
-        let error = ColourSystem::new(&grid, Convention::default()).unwrap_err();
-        assert_eq!(matches!(error, ColourError::Spectrum(_)), outside, "{error}");
+        assert_eq!(system.doubt(), None);
+        assert_eq!(system.require(), Ok(()));
     }
+    for (system, says) in [
+        (of(&[450, 550, 650]), "up to 100 nm apart"),
+        (
+            of(&[450, 550, 650]),
+            "42 % of the colour-matching function zbar lie outside 450 to 650 nm",
+        ),
+        (ranges(440, 720, 10), "25 % of the colour-matching function zbar"),
+        (ranges(400, 700, 25), "up to 25 nm apart, where 20 nm"),
+    ] {
+        assert!(
+            system.doubt().is_some_and(|why| why.contains(says)),
+            "{:?}",
+            system.doubt()
+        );
+        assert_eq!(system.require(), Ok(()));
+    }
+    for system in [
+        of(&[850]),
+        of(&[650]),
+        of(&[450, 650]),
+        ranges(500, 600, 10),
+        ranges(800, 900, 10),
+    ] {
+        assert!(
+            matches!(system.require(), Err(ColourError::NoColour { .. })),
+            "{system:?}"
+        );
+    }
+    // A table of the user's own has to cover the data.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lamp.csv");
+    let lamp: String = (450..=650).map(|nm| format!("{nm},1\n")).collect();
+    std::fs::write(&path, format!("wavelength_nm,value\n{lamp}")).unwrap();
+    let convention = Convention {
+        illuminant: Illuminant::load(path.to_str().unwrap()).unwrap(),
+        ..Convention::default()
+    };
+    let error = ColourSystem::new(&grid((400..=700).step_by(20)), convention).unwrap_err();
+    assert!(matches!(error, ColourError::Spectrum(_)), "{error}");
 }
 
 #[test]
@@ -330,12 +470,8 @@ fn tables_of_a_users_own_are_refused_before_a_run() {
         ),
         (lamp(&mut (390..=730)).replace("400,1", "400,NaN"), "found NaN"),
         (
-            lamp(&mut (390..=730)).replace("value", "power"),
-            "the columns wavelength_nm,value",
-        ),
-        (
             "wavelength_nm,xbar,ybar,zbar\n390,1,1,1\n".into(),
-            "the columns wavelength_nm,value",
+            "one spectrum, found 3",
         ),
         (lamp(&mut (390..=730)).replace(",1\n", ",0\n"), "must be positive"),
     ] {

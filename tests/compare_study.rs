@@ -3,11 +3,13 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use specval::colour::{ColourSystem, Convention};
 use specval::compare::{
-    Channel, Channels, CompareError, Comparison, Geometry, Inputs, Propagation, RmseRatio, Source, Verdict,
+    Channel, Channels, CompareError, Comparison, Geometry, Inputs, Propagation, RmseRatio, Source, Verdict, hue,
     model_colour_ratios,
 };
 use specval::sample::{Reading, Sample};
+use specval::spectrum::WavelengthGrid;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Luminance row of linear sRGB, enough digits for synthetic data.
@@ -58,8 +60,9 @@ fn without_noise_every_number_is_the_one_worked_out_by_hand() {
     })
     .unwrap();
     let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-14, "{a} {b}");
-    close(comparison.normalisation.model.value, 0.5);
-    close(comparison.normalisation.classical.value, 1.0);
+    let normalisation = comparison.normalisation.unwrap();
+    close(normalisation.model.value, 0.5);
+    close(normalisation.classical.value, 1.0);
     let rmse = |source| {
         *comparison
             .rmse
@@ -161,7 +164,8 @@ fn the_scale_of_a_source_changes_its_coefficient_alone() {
         study.compare(&scaled, &measured)
     };
     let (one, other) = (run(1.0), run(2.9));
-    assert!((one.normalisation.model.value / other.normalisation.model.value / 2.9 - 1.0).abs() < 1e-14);
+    let of = |comparison: &Comparison| comparison.normalisation.unwrap().model.value;
+    assert!((of(&one) / of(&other) / 2.9 - 1.0).abs() < 1e-14);
     for (a, b) in one.curves.iter().zip(&other.curves) {
         assert!((a.beta - b.beta).abs() < 1e-14 && (a.se - b.se).abs() < 1e-14);
     }
@@ -299,7 +303,7 @@ fn the_standard_error_of_the_coefficient_is_its_scatter() {
     let runs: Vec<_> = (0..TRIALS)
         .map(|seed| {
             let (batches, measured) = study.draw(0.05, 0.03, seed);
-            study.compare(&batches, &measured).normalisation.model
+            study.compare(&batches, &measured).normalisation.unwrap().model
         })
         .collect();
     let count = runs.len() as f64;
@@ -429,25 +433,98 @@ fn what_cannot_be_compared_is_refused() {
         run(&geometries, &nan, &good, &measured),
         CompareError::NotFinite { .. }
     ));
-    let oblique = line(30.0, &[0.0, 10.0]);
-    assert!(matches!(
-        run(&oblique, &two, &good, &measured),
-        CompareError::NoNormal { .. }
-    ));
-    let gap = [None, measured[1]];
-    assert!(matches!(
-        run(&geometries, &two, &good, &gap),
-        CompareError::NoNormal { .. }
-    ));
-    let dark = vec![vec![[0.0; 4]; 2]; 2];
-    assert!(matches!(
-        run(&geometries, &dark, &good, &measured),
-        CompareError::Dark { .. }
-    ));
+    assert_eq!(run(&geometries, &two, &good, &[None, None]), CompareError::NoReading);
     let mut odd = measured.clone();
     odd[1].as_mut().unwrap().covariance[0][0] = f64::INFINITY;
     assert!(matches!(
         run(&geometries, &two, &good, &odd),
         CompareError::NotFinite { .. }
     ));
+}
+
+#[test]
+fn without_the_normal_the_nearest_reading_normalises() {
+    let mut geometries = line(45.0, &[-10.0, 0.0, 10.0]);
+    geometries.extend(line(0.0, &[0.0]));
+    let values = [0.2, 0.4, 0.3, 0.5].map(|r| rgby(r, 0.1, 0.1));
+    let measured: Vec<_> = [Some(0), Some(1), Some(2), None]
+        .map(|place: Option<usize>| place.map(|j| Reading::independent(values[j], [0.01; 4])))
+        .to_vec();
+    let doubled = values.map(|v| v.map(|x| 2.0 * x)).to_vec();
+    let run = |model: &Vec<Channels>| {
+        Comparison::new(&Inputs {
+            geometries: &geometries,
+            model_batches: &[model.clone(), model.clone()],
+            classical: &values,
+            measured: &measured,
+        })
+        .unwrap()
+    };
+    let comparison = run(&doubled);
+    assert_eq!(comparison.reference, geometries[1]);
+    assert_eq!(comparison.normalisation.unwrap().model.value, 0.5);
+    assert!(
+        comparison
+            .rmse
+            .iter()
+            .all(|rmse| rmse.theta_i_deg == 45.0 && rmse.views == 3)
+    );
+    // A model without light is compared as it is.
+    let dark = run(&vec![[0.0; 4]; 4]);
+    assert_eq!(dark.normalisation, None);
+    let red = dark
+        .rmse
+        .iter()
+        .find(|m| m.channel == Channel::R && m.source == Source::Model)
+        .unwrap();
+    assert!((red.rmse.value - (0.29f64 / 3.0).sqrt()).abs() < 1e-15);
+}
+
+#[test]
+fn too_few_paths_withhold_the_verdict() {
+    let study = Study::new(0.1, 0.3);
+    // The mean of 8 batches has an error of scatter/sqrt(8): 0.18 and 0.53 of the value.
+    for (scatter, withheld) in [(0.5, false), (1.5, true)] {
+        let (batches, measured) = study.draw(scatter, 0.01, 3);
+        for ratio in study.compare(&batches, &measured).rmse_ratios {
+            assert_eq!(ratio.too_few_paths, withheld, "{scatter}");
+            assert!(!withheld || (ratio.verdict == Verdict::CannotTell && ratio.interval.is_none()));
+        }
+    }
+}
+
+#[test]
+fn a_red_that_is_as_good_as_zero_has_no_ratio() {
+    let ratios = |red: [f64; 2]| model_colour_ratios(&red.map(|r| rgby(r, 0.1, 0.6))).unwrap();
+    assert!(!ratios([0.1, 0.11]).red_is_zero);
+    // Well known, but a 120th of blue; and 0.03 with the error 0.02.
+    assert!(ratios([-0.005, -0.005]).red_is_zero && ratios([0.01, 0.05]).red_is_zero);
+}
+
+#[test]
+fn hues_that_plainly_differ_are_told() {
+    let colour = ColourSystem::new(&WavelengthGrid::preprint(), Convention::default()).unwrap();
+    let compared = |model: Channels, sample: Channels| {
+        let measured = [Some(Reading::independent(sample, [0.001; 4]))];
+        hue(
+            &Propagation::new(&[vec![model], vec![model]], &measured).unwrap(),
+            0,
+            &colour,
+        )
+        .unwrap()
+    };
+    let (red, blue, grey) = (rgby(0.3, 0.01, 0.02), rgby(0.02, 0.1, 0.6), rgby(0.2, 0.2, 0.2));
+    let other = compared(red, blue);
+    assert!(
+        other.plainly_different && other.difference_deg.value.abs() > 60.0,
+        "{other:?}"
+    );
+    assert!(compared(red, grey).plainly_different);
+    let alike = compared(red, rgby(0.6, 0.03, 0.05));
+    assert!(
+        !alike.plainly_different && alike.difference_deg.value.abs() < 10.0,
+        "{alike:?}"
+    );
+    // Two greys have no hue to differ in.
+    assert!(!compared(grey, rgby(0.2, 0.2, 0.21)).plainly_different);
 }

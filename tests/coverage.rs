@@ -138,7 +138,7 @@ fn quantities(plan: &Plan, measured: &[Option<Reading>]) -> Quantities {
         measured,
     })
     .unwrap();
-    let of = comparison.normalisation.model;
+    let of = comparison.normalisation.unwrap().model;
     put("normalisation", of.value, of.se);
     for point in &comparison.curves {
         // Normalisation makes the luminance at the normal the measured one.

@@ -146,3 +146,127 @@ fn goniometric_files_are_samples() {
             .contains("reflection")
     );
 }
+
+/// A file in a folder, its path as text.
+fn written(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    fs::write(&path, text).unwrap();
+    path.display().to_string()
+}
+
+#[test]
+fn colour_names_what_it_used_and_what_it_doubts() {
+    let folder = tempfile::tempdir().unwrap();
+    let white = written(folder.path(), "white.csv", "wavelength_nm,white\n450,1\n550,1\n650,1\n");
+    let found = &json(folder.path(), &["colour", &white])[0];
+    let rgb = |i: usize| found["linear_rgb"][i].as_f64().unwrap();
+    assert!(
+        (rgb(2) / rgb(0) - 1.0).abs() < 1e-3 && (rgb(1) / rgb(0) - 1.0).abs() < 1e-3,
+        "{found}"
+    );
+    assert_eq!(
+        (&found["observer"], &found["illuminant"]),
+        (&"cie1931-2deg".into(), &"D65".into())
+    );
+    assert!(
+        (found["white"]["X"].as_f64().unwrap() - 0.95047).abs() < 1e-5,
+        "{found}"
+    );
+    assert!(
+        found["method"].as_str().unwrap().contains("linear interpolation"),
+        "{found}"
+    );
+    let doubt = found["notices"][0].as_str().unwrap();
+    assert!(doubt.contains("doubtful") && doubt.contains("100 nm apart"), "{doubt}");
+    assert!(stderr(&command::specval(folder.path(), &["colour", &white])).contains("100 nm apart"));
+    let infrared = written(folder.path(), "nir.csv", "wavelength_nm,a\n850,1\n860,1\n870,1\n");
+    assert!(refusal(folder.path(), &["colour", &infrared]).contains("no colour"));
+    let bands: Vec<String> = (390..=730).step_by(10).map(|nm| nm.to_string()).collect();
+    let set = |value: &str| {
+        let fields: String = bands.iter().map(|nm| format!(" {nm}_NM")).collect();
+        let values = format!(" {value}").repeat(bands.len());
+        format!(
+            "CGATS.17\nILLUMINANT \"D50\"\nOBSERVER \"10\"\nBEGIN_DATA_FORMAT\nSAMPLE_ID{fields}\nEND_DATA_FORMAT\n\
+             BEGIN_DATA\n1{values}\nEND_DATA\n"
+        )
+    };
+    let stated = written(folder.path(), "d50.txt", &set("0.4"));
+    let found = &json(folder.path(), &["colour", &stated])[0];
+    assert_eq!(
+        (&found["observer"], &found["illuminant"]),
+        (&"cie1964-10deg".into(), &"D50".into())
+    );
+    let found = &json(folder.path(), &["colour", &stated, "--illuminant", "A"])[0];
+    assert_eq!(found["illuminant"], "A");
+    assert!(
+        found["notices"]
+            .to_string()
+            .contains("states the illuminant 'D50', and A is used"),
+        "{found}"
+    );
+    for (value, says) in [("40", "divide them by 100"), ("-0.4", "0 or more")] {
+        let file = written(folder.path(), "odd.txt", &set(value));
+        assert!(
+            stderr(&command::specval(folder.path(), &["colour", &file])).contains(says),
+            "{value}"
+        );
+    }
+}
+
+#[test]
+fn colour_reads_what_measure_writes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = "theta_i_deg,theta_v_deg,wavelength_nm,beta,beta_se\n".to_owned();
+    for (view, beta) in [(-30, 0.2), (0, 0.4)] {
+        for nm in (390..=730).step_by(10) {
+            text += &format!("0,{view},{nm},{beta},0.01\n");
+        }
+    }
+    let curves = written(folder.path(), "curves.csv", &text);
+    let found = json(folder.path(), &["colour", &curves]);
+    let colours: Vec<(f64, f64)> = found
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| (row["theta_v_deg"].as_f64().unwrap(), row["Y"].as_f64().unwrap()))
+        .collect();
+    assert!(colours.len() == 2 && colours[0].0 == -30.0, "{colours:?}");
+    assert!(
+        (colours[0].1 - 0.2).abs() < 1e-12 && (colours[1].1 - 0.4).abs() < 1e-12,
+        "{colours:?}"
+    );
+    // The same by incidence, in semicolons, with a column a wavelength and a decimal comma.
+    let bands: String = (390..=730).step_by(10).map(|nm| format!(";{nm} nm")).collect();
+    let wide = format!(
+        "theta_i_deg;phi_i_deg;theta_o_deg;phi_o_deg{bands}\n0;0;0;0{}\n",
+        ";0,4".repeat(35)
+    );
+    let wide = written(folder.path(), "wide.csv", &wide);
+    let part = json(folder.path(), &["inspect", &wide])["components"][0].clone();
+    assert_eq!(part["wavelength_nm"].as_array().map(Vec::len), Some(35), "{part}");
+}
+
+#[test]
+fn a_measurement_in_the_infrared_needs_no_colour() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = "[spectrum]\nwavelengths_nm = [850]\n[medium]\ndye = \"dye.csv\"\n[trace]\nbatches = 2\npaths_direct = 600\n\
+                 paths_bssrdf = 300\nparticles = 200\n[rig]\npixels_per_side = 4\n";
+    written(folder.path(), "dye.csv", "wavelength_nm,value\n800,1\n900,0.5\n");
+    let study = written(folder.path(), "nir.toml", study);
+    let run = |arguments: &[&str]| command::specval(folder.path(), arguments);
+    for arguments in [
+        &["measure", &study, "--out", "nir.csv", "--until", "rel 50%"][..],
+        &["trace", &study, "--out", "nir.trace"],
+        &["medium", &study],
+    ] {
+        let output = run(arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+    }
+    for arguments in [
+        &["report", &study, "--out", "report"][..],
+        &["measure", &study, "--out", "more.csv", "--until", "rel 50% ratios"],
+    ] {
+        let message = refusal(folder.path(), arguments);
+        assert!(message.contains("0 of the wavelengths lie in 360..780 nm"), "{message}");
+    }
+}

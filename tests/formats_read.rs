@@ -21,6 +21,22 @@ fn degrees(theta: f64, phi: f64) -> Vec3 {
     direction(theta.to_radians(), phi.to_radians())
 }
 
+/// f of the 13 nodes in the mirror direction of `lbgen_roughdiffuse_mono.ddr` at an incidence, from the numbers of the file.
+fn rough_diffuse_columns(theta_i_deg: f64) -> Vec<f64> {
+    let text = std::fs::read_to_string(golden("lbgen_roughdiffuse_mono.ddr")).unwrap();
+    let data = text.lines().skip_while(|line| line.trim() != "def").skip(1);
+    let rows: Vec<f64> = data
+        .filter(|line| !line.contains(";;") && !line.contains("enddef"))
+        .map(|line| line.split_whitespace().next().unwrap().parse::<f64>().unwrap())
+        .collect();
+    // Incidences every 15 degrees.
+    let (below, t) = ((theta_i_deg / 15.0) as usize, theta_i_deg / 15.0 % 1.0);
+    let at = |sigma: usize, phi: usize| rows[13 * sigma + phi] / PI;
+    (0..13)
+        .map(|phi| (1.0 - t) * at(below, phi) + t * at(below + 1, phi))
+        .collect()
+}
+
 /// Values as libbsdf printed them, to 6 digits.
 #[test]
 fn golden_files_have_the_values_of_libbsdf() {
@@ -30,6 +46,22 @@ fn golden_files_have_the_values_of_libbsdf() {
         let cells: Vec<&str> = line.split('\t').collect();
         let angle = |i: usize| cells[i].parse::<f64>().unwrap();
         let expected: Vec<f64> = cells[5].split(' ').map(|v| v.parse().unwrap()).collect();
+        // The mirror direction is one node of the table for each azimuth about it. Those of this file, by Monte Carlo, differ, and
+        // libbsdf printed what its rounding met between them.
+        if cells[0] == "lbgen_roughdiffuse_mono.ddr" && cells[1] == cells[3] {
+            let columns = rough_diffuse_columns(angle(1));
+            let found = bsdf(&load(cells[0]), &degrees(angle(1), 0.0), &degrees(angle(3), angle(4)))[0];
+            // The first node is the last again.
+            let mean = columns[1..].iter().sum::<f64>() / 12.0 + (columns[0] - columns[12]) / 24.0;
+            let (low, high) = columns
+                .iter()
+                .fold((1.0, 0.0f64), |(low, high): (f64, _), v| (low.min(*v), high.max(*v)));
+            assert!(
+                (found - mean).abs() < 1e-9 && (low..=high).contains(&expected[0]),
+                "{line}: {found} {mean}"
+            );
+            continue;
+        }
         let found = bsdf(
             &load(cells[0]),
             &degrees(angle(1), angle(2)),
@@ -371,9 +403,14 @@ fn relative_and_intensity_tables() {
         (relative.brightness_factor().unwrap()[0] - 0.5).abs() < 1e-4,
         "{relative:?}"
     );
-    let intensity = value(file("Intensity Absolute", "kbdf 1 2", 0.1));
-    assert_eq!(intensity.quantity, Quantity::Bsdf);
-    assert!((intensity.bsdf().unwrap()[0] - 0.2 / 30f64.to_radians().cos()).abs() < 1e-12);
+    let intensity = parse(
+        "x.ddr",
+        file("Intensity Absolute", "kbdf 1 2", 0.1).as_bytes(),
+        &ReadOptions::default(),
+    );
+    let mirror = intensity.unwrap().eval(&at.0, &degrees(60.0, 180.0)).unwrap();
+    assert_eq!((mirror.quantity, mirror.placement), (Quantity::Bsdf, Placement::OnNode));
+    assert!((mirror.bsdf().unwrap()[0] - 0.2 / 60f64.to_radians().cos()).abs() < 1e-12);
     assert_eq!(value(file("Luminance Relative", "", 7.0)).bsdf(), None);
 }
 

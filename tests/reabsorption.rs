@@ -468,7 +468,10 @@ fn the_command_changes_files() {
     std::fs::write(path("text"), "[trace]\n").unwrap();
     for (arguments, expected) in [
         (&["dyed"][..], "--kappa-peak"),
-        (&["text", "--kappa-peak", "0.1"], "an artefact of specval"),
+        (
+            &["text", "--kappa-peak", "0.1"],
+            "the artefact of a trace, found a study",
+        ),
         (&["nowhere", "--kappa-peak", "0.1"], "nowhere: cannot be read"),
         (
             &["dyed", "--kappa-peak=-1"],

@@ -268,3 +268,34 @@ fn cover_is_the_same_from_both_sides_and_grows_with_the_angle() {
         last = above;
     }
 }
+
+/// Camera rays are even over their pixels: offsets within a pixel have the mean 1/2 and the variance 1/12 along both sides, and
+/// those of x and y are independent.
+#[test]
+fn camera_rays_fill_their_pixels() {
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
+    const SIDE: usize = 200;
+    let samples = PixelSamples::new(SIDE, SIDE).unwrap();
+    let pixels = cloth.cell_mm().map(|cell| cell / SIDE as f64);
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(5);
+    let (mut sums, mut rays) = ([0.0; 5], 0.0);
+    view_cell(&cloth, &Vec3::z(), &samples, &mut rng, |interaction| {
+        if let Some(point) = interaction {
+            let [x, y] = [0, 1].map(|k| (point.hit.position[k] / pixels[k]).fract() - 0.5);
+            for (sum, moment) in sums.iter_mut().zip([x, y, x * x, y * y, x * y]) {
+                *sum += moment;
+            }
+            rays += 1.0;
+        }
+    });
+    // Four standard deviations of the means of x, x² and xy, 1/√12, 1/√180 and 1/12 for one ray.
+    let bound = |deviation: f64| 4.0 * deviation / f64::sqrt(rays);
+    let [x, y, xx, yy, xy] = sums.map(|sum| sum / rays);
+    assert!(
+        rays > 30_000.0 && x.abs().max(y.abs()) < bound(12f64.powf(-0.5)),
+        "{x} {y}"
+    );
+    let variances = [xx, yy].map(|square| (square - 1.0 / 12.0).abs());
+    assert!(variances[0].max(variances[1]) < bound(180f64.powf(-0.5)), "{xx} {yy}");
+    assert!(xy.abs() < bound(1.0 / 12.0), "{xy}");
+}

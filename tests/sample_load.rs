@@ -89,7 +89,15 @@ fn between_views_linear_and_flagged_outside_nothing() {
             .unwrap()
             .interpolated
     );
-    for (i, v) in [(0.0, 10.1), (0.0, -0.1), (30.0, 1.0), (15.0, 0.0), (0.0, f64::NAN)] {
+    // An encoder's noise about the last view and the incidence.
+    for (i, v, red) in [(0.0, 10.2, 0.4), (0.1, -0.2, 0.2)] {
+        assert_eq!(
+            sample.reading(i, v, &convention).unwrap().unwrap().beta[0],
+            red,
+            "{i} {v}"
+        );
+    }
+    for (i, v) in [(0.0, 10.3), (0.0, -0.3), (30.0, 1.0), (15.0, 0.0), (0.0, f64::NAN)] {
         assert_eq!(sample.reading(i, v, &convention), Ok(None), "{i} {v}");
     }
 }
@@ -138,6 +146,62 @@ fn spectral_data_go_through_the_one_conversion() {
 }
 
 #[test]
+fn layouts_and_names_of_instruments_are_read_alike() {
+    let long = load(format!("{SPECTRAL}30,-10,450,0.1\n30,-10,550,0.2\n30,-10,650,0.3\n")).unwrap();
+    assert!(long.notices().is_empty());
+    for text in [
+        "theta_i_deg,theta_v_deg,450,550,650,850\n30,-10,0.1,0.2,0.3,0.9\n",
+        "theta_i_deg,theta_v_deg,R650,R550,R450\n30,-10,0.3,0.2,0.1\n",
+        "Theta_i (deg),Viewing angle,450 nm,550nm,beta_650\n30,-10,0.1,0.2,0.3\n",
+        "incidence,theta_r,wavelength,reflectance\n30,-10,450,0.1\n30,-10,550,0.2\n30,-10,650,0.3\n30,-10,900,1\n",
+    ] {
+        let sample = load(text).unwrap();
+        assert_eq!(sample.wavelengths_nm(), long.wavelengths_nm(), "{text}");
+        assert!(sample.raw().eq(long.raw()), "{text}");
+    }
+    let renamed = load("incidence,theta_r,450,550\n30,10,0.1,0.2\n30,20,0.1,0.2\n").unwrap();
+    let notice = &renamed.notices()[0];
+    assert!(
+        notice.contains("'theta_r' as theta_v_deg") && notice.contains("mirror side"),
+        "{notice}"
+    );
+}
+
+#[test]
+fn noise_below_zero_is_read_and_other_units_are_told() {
+    let sample = load(format!("{SPECTRAL}0,0,450,-0.002\n0,0,550,0.4\n")).unwrap();
+    assert_eq!(sample.raw().next().unwrap().beta, [-0.002, 0.4]);
+    assert!(sample.notices()[0].contains("1 values of the sample are below 0"));
+    let told = |text: String, words: &str| {
+        let notices = load(text).unwrap().notices().concat();
+        assert!(notices.contains(words), "{notices}");
+    };
+    told(format!("{RGB}0,0,40,20,30\n0,10,41,21,31\n"), "per cent");
+    told(
+        format!("{RGB}0,-0.52,0.4,0.2,0.3\n0,0,0.4,0.2,0.3\n0,1.05,0.4,0.2,0.3\n"),
+        "radians",
+    );
+    let message = load(format!("{SPECTRAL}0,0,0.45,1\n")).unwrap_err().to_string();
+    assert!(message.contains("micrometres: multiply"), "{message}");
+}
+
+#[test]
+fn angles_as_an_encoder_reads_them_are_the_nominal_ones() {
+    let sample = load(format!(
+        "{RGB}0.02,-0.01,0.4,0.2,0.3\n-0.01,5.03,0.4,0.2,0.3\n30.1,4.98,0.1,0.1,0.1\n29.95,5.02,0.3,0.1,0.1\n"
+    ));
+    let sample = sample.unwrap();
+    assert_eq!(
+        sample.geometries().collect::<Vec<_>>(),
+        [(0.0, 0.0), (0.0, 5.0), (30.0, 5.0)]
+    );
+    let read = sample.angles_read();
+    assert_eq!((read.moved, read.combined), (4, 2));
+    let reading = sample.reading(30.0, 5.0, &Convention::default()).unwrap().unwrap();
+    assert!((reading.beta[0] - 0.2).abs() < 1e-15 && !reading.interpolated);
+}
+
+#[test]
 fn a_bare_file_says_less() {
     let sample = load(format!("{RGB}0,0,0.2,0.1,0.1\n")).unwrap();
     assert_eq!((sample.name(), sample.description().kind), ("cloth", None));
@@ -175,9 +239,14 @@ fn every_fault_is_found_with_its_line() {
             "a column beta",
         ),
         (
-            "theta_i,theta_v_deg,beta_r,beta_g,beta_b\n0,0,1,1,1\n".into(),
+            "theta_i (rad),theta_v_deg,beta_r,beta_g,beta_b\n0,0,1,1,1\n".into(),
             1,
             "a column theta_i_deg",
+        ),
+        (
+            "theta_i_deg,theta_v_deg,0.45,0.55\n0,0,1,1\n".into(),
+            1,
+            "wavelengths in nm",
         ),
         (
             RGB.replace("beta_b", "beta_b,note") + "0,0,1,1,1,x\n",
@@ -192,7 +261,7 @@ fn every_fault_is_found_with_its_line() {
         (format!("{RGB}0,0,1,1,1\n0,5,1,NaN,1\n"), 3, "brightness factor"),
         (format!("{RGB}0,0,1,1,\n"), 2, "brightness factor"),
         (format!("{RGB}0,0,1,1,inf\n"), 2, "brightness factor"),
-        (format!("{RGB}0,0,1,-1e-9,1\n"), 2, "0 or more"),
+        (format!("{RGB}0,0,1,-0.03,1\n"), 2, "0 or more"),
         (format!("# c\n\n{RGB}90,0,1,1,1\n"), 4, "below 90"),
         (format!("{RGB}-30,0,1,1,1\n"), 2, "below 90"),
         (format!("{RGB}0,-90,1,1,1\n"), 2, "below 90"),
@@ -214,7 +283,8 @@ fn every_fault_is_found_with_its_line() {
             4,
             "the 2 wavelengths",
         ),
-        (format!("{SPECTRAL}0,0,500,1\n0,0,790,1\n"), 3, "360..780"),
+        (format!("{SPECTRAL}0,0,500,1\n0,0,0.79,1\n"), 3, "360..780"),
+        (format!("{SPECTRAL}0,0,800,1\n0,0,900,1\n"), 2, "360..780"),
         (format!("{SPECTRAL}0,0,500,-0.1\n"), 2, "0 or more"),
         (
             SPECTRAL.replace("beta", "beta,beta_se") + "0,0,500,0.1,-1\n",

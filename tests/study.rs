@@ -14,7 +14,7 @@ fn the_commented_file_is_the_default_study() {
     let text = Study::commented_toml();
     assert_eq!(Study::from_toml(&text, "study.toml"), Ok(Study::default()));
     assert!(text.contains("radius_mm = 0.15"), "{text}");
-    assert!(text.contains("# a number, above 0 to 100 mm"), "{text}");
+    assert!(text.contains("# a number, 1e-6 to 100 mm"), "{text}");
 }
 
 /// Every key of the types is in the commented file, so nobody has to read the source to learn of one.
@@ -169,7 +169,7 @@ fn wrong_types_say_what_was_expected_and_found() {
     for (text, expected, found) in [
         (
             "[yarn]\nradius_mm = \"thick\"",
-            "a number, above 0 to 100 mm",
+            "a number, 1e-6 to 100 mm",
             "\"thick\" (string)",
         ),
         ("[trace]\nbatches = 2.5", "a whole number, 2 to 100000", "2.5 (float)"),
@@ -248,6 +248,7 @@ fn values_out_of_range_are_refused_with_their_line() {
         ("[trace]\npaths_bssrdf = 8", "trace.paths_bssrdf", 2),
         ("[trace]\nazimuth_cells = 10", "trace.azimuth_cells", 2),
         ("[cloth]\nsinusoid_amplitude_mm = 0.1", "cloth.sinusoid_amplitude_mm", 2),
+        ("[cloth]\nsegments_around = 50", "cloth.segments_around", 2),
     ] {
         match refused(text) {
             StudyError::Value {
@@ -261,7 +262,7 @@ fn values_out_of_range_are_refused_with_their_line() {
     let message = refused("[medium]\nvolume_fraction = 14").to_string();
     assert_eq!(
         message,
-        "my.toml, line 2: `medium.volume_fraction`: expected a number, 0 to below 0.74, found 14.0; it is: Share of the \
+        "my.toml, line 2: `medium.volume_fraction`: expected a number, 0 to below 0.74, found 14; it is: Share of the \
          yarn's volume that is particles"
     );
 }
@@ -272,7 +273,7 @@ fn a_study_changed_in_memory_is_validated_too() {
     study.yarn.radius_mm = f64::NAN;
     let message = study.validate().unwrap_err().to_string();
     assert!(
-        message.starts_with("`yarn.radius_mm`: expected a number, above 0 to 100 mm, found nan"),
+        message.starts_with("`yarn.radius_mm`: expected a number, 1e-6 to 100 mm, found no number"),
         "{message}"
     );
     assert!(study.to_toml().is_err());
@@ -390,7 +391,9 @@ fn a_bad_table_is_refused_by_key_and_file() {
         let path = file.path().display().to_string();
         let message = medium(&with_tables(&[(key, &path)])).unwrap_err().to_string();
         assert!(
-            message.starts_with(&format!("`medium.{key}`: ")) && message.contains(&path),
+            message.starts_with("t, line ")
+                && message.contains(&format!(": `medium.{key}`: "))
+                && message.contains(&path),
             "{message}"
         );
         assert!(words.iter().all(|w| message.contains(w)), "{message}");
@@ -398,7 +401,7 @@ fn a_bad_table_is_refused_by_key_and_file() {
     let study = with_tables(&[("host_index", "/nowhere/host.csv")]);
     let message = Plan::new(study).err().unwrap().to_string();
     assert!(
-        message.starts_with("`medium.host_index`: /nowhere/host.csv: cannot be read: "),
+        message.contains(": `medium.host_index`: /nowhere/host.csv: cannot be read: "),
         "{message}"
     );
 }

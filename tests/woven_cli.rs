@@ -83,7 +83,7 @@ fn methods_bounces_and_backings() {
         if name != "direct" {
             let rows = rows(&energy);
             assert_eq!(rows.len(), 2 * 3, "{name}");
-            assert!(rows.iter().all(|r| r[12].abs() < 1e-9), "{name}: {rows:?}");
+            assert!(rows.iter().all(|r| r[16].abs() < 1e-9), "{name}: {rows:?}");
         }
     }
     // Each adds light: other yarns to the direct, a white plane to those. Noise is far smaller.
@@ -102,6 +102,48 @@ fn methods_bounces_and_backings() {
         before == fs::read(here.join("yarn.csv")).unwrap(),
         "threads change bytes"
     );
+}
+
+/// Yarns and backing that absorb nothing: what is left out of the light stands in columns of its own, and `absorbed` is 0.
+#[test]
+fn absorbed_is_absorption_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    // Whether the yarns' reflection is left out, and whether light is cut off.
+    for (name, cloth, dropped, cut) in [
+        ("all", "bounces = \"all\"", true, false),
+        ("one", "bounces = 1", true, true),
+        ("white", "bounces = 0\nbacking = \"white\"", true, true),
+        ("volumetric", "method = \"volumetric\"", true, false),
+    ] {
+        let output = measure(
+            here,
+            name,
+            &format!("[medium]\nkappa_peak = 0\n[cloth]\n{cloth}\n"),
+            &[],
+        );
+        assert!(output.status.success(), "{name}");
+        let file = here.join(format!("{name}.csv.energy.csv"));
+        let text = fs::read_to_string(&file).unwrap();
+        let columns: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+        let of = |row: &[f64], column: &str| row[columns.iter().position(|c| *c == column).unwrap()];
+        for row in rows(&file) {
+            assert_eq!(of(&row, "absorbed"), 0.0, "{name}: {row:?}");
+            assert_eq!(of(&row, "reflection_dropped") > 0.01, dropped, "{name}: {row:?}");
+            assert_eq!(of(&row, "bounces_cut") > 0.01, cut, "{name}: {row:?}");
+            let parts = [
+                "reflected",
+                "through_yarns",
+                "through_gaps",
+                "absorbed",
+                "reflection_dropped",
+                "bounces_cut",
+                "games",
+            ];
+            let sum: f64 = parts.iter().map(|column| of(&row, column)).sum();
+            assert!((sum - 1.0).abs() < 1e-9, "{name}: {row:?}");
+        }
+    }
 }
 
 #[test]

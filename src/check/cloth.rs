@@ -2,28 +2,24 @@
 
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context, Quantity};
-use crate::geometry::Vec3;
 use crate::rig::{omega_in, view_cell};
-use crate::run::Plan;
+use crate::run::{Plan, hemisphere};
 use crate::transport::{Purpose, Stream};
-use crate::yarn::{DirectBatch, FactorWeights, WeightTally};
-use rand::RngExt;
+use crate::yarn::{DirectBatch, FactorWeights};
 use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
 
-const ENERGY: Law = Law {
+pub const ENERGY: Law = Law {
     name: "cloth-energy",
     words: "the cloth reflects, transmits and absorbs no more light than falls on it",
 };
-const ALBEDO: Law = Law {
+pub const ALBEDO: Law = Law {
     name: "cloth-albedo",
     words: "what the cloth reflects and transmits is between 0 and 1 at every wavelength",
 };
 
-/// Strata of the hemisphere of views, even in cos²θ and azimuth, and of the cell, a side.
-const POLAR: usize = 6;
-const AROUND: usize = 12;
+/// Strata of the cell, a side, and how often the beam's rays go through them.
 const PIXELS: usize = 6;
+const ROUNDS: usize = 72;
 /// In place of a view, apart from the other streams of the check.
 const STREAM: usize = 1 << 21;
 
@@ -56,7 +52,13 @@ impl<'a> ClothEnergy<'a> {
         let sides: Vec<[FactorWeights; 2]> = incidences
             .par_iter()
             .enumerate()
-            .map(|(k, &theta_i_deg)| [1.0, -1.0].map(|side| hemisphere(plan, &samples, [k, batch], theta_i_deg, side)))
+            .map(|(k, &theta_i_deg)| {
+                [1.0, -1.0].map(|side| {
+                    let stream = STREAM + 2 * k + usize::from(side > 0.0);
+                    let mut rng = Stream::open(plan.study.seed, Purpose::Check, stream, batch, 0);
+                    hemisphere(plan, &samples, &mut rng, theta_i_deg, side)
+                })
+            })
             .collect();
         let contract = |side: usize| -> Vec<f64> {
             let of = |weights: &[FactorWeights; 2]| weights[side].contract(&yarn.radiance_factor, wavelengths);
@@ -121,42 +123,6 @@ impl<'a> ClothEnergy<'a> {
     }
 }
 
-/// Weights of f* in ∫ L cosθ_v dω / (E⊥ cosθ_i) over the views on one side of the cloth, `side` 1 that of the light.
-fn hemisphere(
-    plan: &Plan,
-    samples: &crate::rig::PixelSamples,
-    [incidence, batch]: [usize; 2],
-    theta_i_deg: f64,
-    side: f64,
-) -> FactorWeights {
-    let mut tally = WeightTally::new(plan.factor_grid);
-    let exit_grid = plan.factor_grid.surface().exit();
-    let light = omega_in(theta_i_deg, plan.study.cloth.azimuth_deg);
-    let stream = STREAM + 2 * incidence + usize::from(side > 0.0);
-    let mut rng = Stream::open(plan.study.seed, Purpose::Check, stream, batch, 0);
-    for polar in 0..POLAR {
-        for around in 0..AROUND {
-            let cos2: f64 = (polar as f64 + rng.random::<f64>()) / POLAR as f64;
-            let (sin_phi, cos_phi) = (TAU * (around as f64 + rng.random::<f64>()) / AROUND as f64).sin_cos();
-            // Not in the plane of the cloth itself, where a ray has no place to begin.
-            let cos = cos2.sqrt().max(1e-3);
-            let sin = (1.0 - cos * cos).sqrt();
-            let view = Vec3::new(sin * cos_phi, sin * sin_phi, side * cos);
-            let mut points = Vec::with_capacity(samples.count());
-            view_cell(&plan.cloth, &view, samples, &mut rng, |interaction| {
-                points.extend(interaction)
-            });
-            for point in points {
-                if let Some(light) = point.light(&plan.cloth, &light) {
-                    tally.add(&light, &exit_grid.bilinear(&point.omega_out_local));
-                }
-            }
-        }
-    }
-    // Directions even in cos²θ have the density cosθ/π.
-    tally.drain(PI / (POLAR * AROUND * samples.count()) as f64 / theta_i_deg.to_radians().cos())
-}
-
 /// Absorbed by the yarns that the beam meets first: of rays even across the beam, the ledger of the tilt each has on its yarn.
 fn absorbed_of(
     plan: &Plan,
@@ -170,7 +136,7 @@ fn absorbed_of(
     let mut rng = Stream::open(plan.study.seed, Purpose::Check, 2 * STREAM + incidence, batch, 0);
     let tilts = plan.factor_grid.tilts();
     let mut rays = vec![0.0; tilts];
-    for _ in 0..POLAR * AROUND {
+    for _ in 0..ROUNDS {
         view_cell(&plan.cloth, &light, samples, &mut rng, |interaction| {
             if let Some(point) = interaction {
                 let tilt = point.hit.frame.to_local(&light).y.abs().min(1.0).asin().to_degrees() / 90.0;
@@ -178,7 +144,7 @@ fn absorbed_of(
             }
         });
     }
-    let share = 1.0 / (POLAR * AROUND * samples.count()) as f64;
+    let share = 1.0 / (ROUNDS * samples.count()) as f64;
     let mut absorbed = vec![0.0; wavelengths];
     for (rays, ledgers) in rays.iter().zip(yarn.ledgers.chunks_exact(wavelengths)) {
         for (sum, ledger) in absorbed.iter_mut().zip(ledgers) {

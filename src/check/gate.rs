@@ -1,5 +1,6 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
+use std::cmp::Ordering;
 
 /// What a gate found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -90,8 +91,13 @@ pub struct Gate {
     pub note: Option<String>,
 }
 
-/// Departures that rounding alone explains are not judged as chance, even where every batch has the same.
+/// Least standard error that a departure is divided by: the rounding of means over batches in double precision.
 const ROUNDING_OF_MEANS: f64 = 1e-12;
+
+/// Fraction of the tolerance below which no departure breaks a law in the mean, however small its standard error. Where
+/// what departs is rare, as scattering in a nearly empty yarn, the batches that happen to miss it have next to no spread,
+/// and Student's t does not hold.
+const NEGLIGIBLE: f64 = 1e-3;
 
 /// The two ways to judge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,6 +106,8 @@ pub struct Judge {
     pub level: f64,
     /// As counted by `--paths`.
     pub paths: u64,
+    /// Of the arithmetic behind the batches, in the unit of the tolerances: a smaller departure is rounding.
+    pub precision: f64,
 }
 
 impl Judge {
@@ -122,6 +130,11 @@ impl Judge {
         }
     }
 
+    /// The largest departure that is never called a breach of a law in the mean.
+    fn floor(&self, tolerance: f64) -> f64 {
+        self.precision.max(NEGLIGIBLE * tolerance)
+    }
+
     /// The means of all cells are 0. `batches` are independent, [batch][cell].
     pub fn zero(&self, law: Law, batches: &[Vec<f64>], tolerance: f64, place: impl Fn(usize) -> Place) -> Gate {
         self.means(law, batches, tolerance, |t| t.abs(), 2.0, place)
@@ -133,7 +146,8 @@ impl Judge {
     }
 
     /// Student's t of every cell from the spread of its batches, all cells together after Šidák (1967): with n cells the
-    /// joint p is 1 − (1 − p)ⁿ, exact for independent cells and too large, hence safe, for dependent ones.
+    /// joint p is 1 − (1 − p)ⁿ, exact for independent cells and too large, hence safe, for dependent ones. A cell can break
+    /// the law only if its departure also exceeds [`Self::floor`].
     fn means(
         &self,
         law: Law,
@@ -144,12 +158,15 @@ impl Judge {
         place: impl Fn(usize) -> Place,
     ) -> Gate {
         let estimates = estimates(batches);
+        let floor = self.floor(tolerance);
         let t = |i: usize| {
             let [value, se]: [f64; 2] = estimates[i];
             let t = size(value / se.hypot(ROUNDING_OF_MEANS));
             if t.is_nan() { f64::INFINITY } else { t }
         };
-        let Some(worst) = (0..estimates.len()).max_by(|&a, &b| t(a).total_cmp(&t(b))) else {
+        let beyond_floor = |i: usize| estimates[i][0].is_nan() || size(estimates[i][0]) > floor;
+        let order = |&a: &usize, &b: &usize| (beyond_floor(a), t(a)).partial_cmp(&(beyond_floor(b), t(b)));
+        let Some(worst) = (0..estimates.len()).max_by(|a, b| order(a, b).unwrap_or(Ordering::Equal)) else {
             return Gate::undecided(law);
         };
         let [value, se] = estimates[worst];
@@ -171,9 +188,10 @@ impl Judge {
             (critical * se / (tolerance - room)).powi(2)
         };
         let needed = estimates.iter().map(hidden).fold(0.0, f64::max);
-        let verdict = if p.is_nan() || p < self.level {
+        let resolved = floor < tolerance;
+        let verdict = if p.is_nan() || beyond_floor(worst) && p < self.level {
             Verdict::Broken
-        } else if needed <= 1.0 {
+        } else if needed <= 1.0 && resolved {
             Verdict::Holds
         } else {
             Verdict::Undecided
@@ -189,7 +207,13 @@ impl Judge {
             p: Some(p),
             verdict,
             // A fifth more, since the error that says so is itself uncertain.
-            paths_to_tell: (verdict == Verdict::Undecided).then(|| (1.2 * needed * self.paths as f64).ceil() as u64),
+            paths_to_tell: (verdict == Verdict::Undecided && resolved)
+                .then(|| (1.2 * needed * self.paths as f64).ceil() as u64),
+            note: (!resolved).then(|| {
+                format!(
+                    "the arithmetic is good to {floor:.0e}, and no number of paths shows less; allow a larger tolerance"
+                )
+            }),
             ..Gate::undecided(law)
         }
     }
@@ -284,6 +308,7 @@ mod tests {
     const JUDGE: Judge = Judge {
         level: 1e-3,
         paths: 1000,
+        precision: 1e-12,
     };
 
     fn batches(values: &[f64]) -> Vec<Vec<f64>> {
@@ -296,10 +321,10 @@ mod tests {
         let spread = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
         let se = (10.0f64 / 90.0).sqrt();
         let shifted: Vec<f64> = spread.iter().map(|x| x + 3.0 * se).collect();
-        let gate = JUDGE.zero(LAW, &batches(&shifted), 1e9, |_| Place::default());
+        let gate = JUDGE.zero(LAW, &batches(&shifted), 10.0, |_| Place::default());
         assert!((gate.p.unwrap() - 0.014956).abs() < 1e-5, "{gate:?}");
         assert_eq!(gate.verdict, Verdict::Holds);
-        let one_sided = JUDGE.at_most_zero(LAW, &batches(&shifted), 1e9, |_| Place::default());
+        let one_sided = JUDGE.at_most_zero(LAW, &batches(&shifted), 10.0, |_| Place::default());
         assert!((one_sided.p.unwrap() - 0.007478).abs() < 1e-5);
         let below: Vec<f64> = shifted.iter().map(|x| -x - 100.0).collect();
         assert_eq!(
@@ -323,6 +348,27 @@ mod tests {
         );
     }
 
+    /// A departure below the precision of the arithmetic or a thousandth of the tolerance is no breach, though every batch
+    /// has it; one above either is. A tolerance below the precision cannot be told.
+    #[test]
+    fn the_judge_knows_its_precision() {
+        let verdict = |departure: f64, precision, tolerance| {
+            let judge = Judge { precision, ..JUDGE };
+            let gate = judge.zero(LAW, &batches(&[departure; 8]), tolerance, |_| Place::default());
+            (gate.verdict, gate.paths_to_tell)
+        };
+        assert_eq!(verdict(1.86e-9, 1e-6, 2e-3), (Verdict::Holds, None));
+        assert_eq!(verdict(1.9e-6, 1e-12, 2e-3), (Verdict::Holds, None));
+        assert_eq!(verdict(-2.1e-6, 1e-6, 2e-3), (Verdict::Broken, None));
+        assert_eq!(verdict(1.1e-6, 1e-6, 1e-5), (Verdict::Broken, None));
+        assert_eq!(verdict(0.0, 1e-6, 1e-7), (Verdict::Undecided, None));
+        // The cell beyond the floor is shown, not the one with the larger t below it.
+        let mut two = vec![vec![1e-7, 0.01], vec![1e-7, 0.011]];
+        two.extend(two.clone());
+        let gate = JUDGE.zero(LAW, &two, 1.0, |i| Place::named(i.to_string()));
+        assert_eq!(gate.worst.at, "1", "{gate:?}");
+    }
+
     /// A cell that no batch changes is known to rounding; what is no number breaks a law.
     #[test]
     fn no_spread_and_no_number() {
@@ -331,7 +377,7 @@ mod tests {
             Verdict::Holds
         );
         assert_eq!(
-            JUDGE.zero(LAW, &batches(&[1e-9; 8]), 0.1, |_| Place::default()).verdict,
+            JUDGE.zero(LAW, &batches(&[1e-3; 8]), 0.1, |_| Place::default()).verdict,
             Verdict::Broken
         );
         assert_eq!(

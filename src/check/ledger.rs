@@ -15,11 +15,11 @@ const SHARED: Law = Law {
     name: "ledger-shared",
     words: "shared paths: the same sum and what the balance heuristic took less what it gave are 1",
 };
-const SHARING: Law = Law {
+pub const SHARING: Law = Law {
     name: "sharing",
     words: "shared paths: the balance heuristic takes as much as it gives",
 };
-const ROULETTE: Law = Law {
+pub const ROULETTE: Law = Law {
     name: "roulette",
     words: "roulette takes as much as it gives, as the study plays it and played at every step",
 };
@@ -53,12 +53,9 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
     let closed = departures(traced(context, &independent, closing)?, Ledger::residual);
     let mut gates = vec![judge.exact(INDEPENDENT, &closed, check.rounding, |i| place(context, i))];
 
-    let mut white = plan.study.medium.clone();
-    white.kappa_peak = 0.0;
-    white.host_mu_a_per_mm = NumberOrTable::Number(0.0);
     let furnace = Yarn {
         estimator: Estimator::Independent,
-        ..plan.yarn_of(&white)?
+        ..white_yarn(context)?
     };
     let lost = departures(traced(context, &furnace, closing)?, |ledger| {
         let residual = ledger.residual();
@@ -118,6 +115,14 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
         quantities.extend(context.quantities(name, &means(of)));
     }
     Ok((gates, quantities))
+}
+
+/// The warp's yarn without absorption.
+pub fn white_yarn(context: &Context) -> Result<Yarn, CheckError> {
+    let mut white = context.plan.study.medium.clone();
+    white.kappa_peak = 0.0;
+    white.host_mu_a_per_mm = NumberOrTable::Number(0.0);
+    Ok(context.plan.yarn_of(&white)?)
 }
 
 /// Mean over all directions, mirrored ones alike: [batch][wavelength].

@@ -3,7 +3,7 @@
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
 use crate::geometry::Vec3;
-use crate::optics::{Medium, Phase, PhaseTable};
+use crate::optics::{HenyeyGreenstein, Medium, Phase, PhaseTable};
 use crate::run::dye_on;
 use crate::transport::{Coefficients, Cylinder, Entry, Interior, Purpose, Roulette, Stream, Walk};
 use rayon::prelude::*;
@@ -28,7 +28,7 @@ const G: Law = Law {
     name: "phase-asymmetry",
     words: "the mean cosine of the phase function is the g of the Mie series",
 };
-const ANGLE: Law = Law {
+pub const ANGLE: Law = Law {
     name: "scattering-angle",
     words: "paths turn by angles whose mean cosine is g, at every wavelength that shares them",
 };
@@ -92,19 +92,63 @@ fn of_table(table: &PhaseTable) -> [f64; 2] {
 /// So thin that next to nothing scatters twice: 2 μ_s R.
 const THIN: f64 = 1e-6;
 
+/// Phase functions as unlike as can be, forward, even all around and backward, and what μ_s is times: whose turn it is and whose angle is
+/// drawn then shows at once, which between neighbours of a study's grid it hardly does.
+const CONTRAST: [(f64, f64); 3] = [(0.7, 1.0), (0.0, 2.0), (-0.7, 4.0)];
+const CONTRAST_NODES: usize = 257;
+
 /// One scattering in an index-matched cylinder, by the kernel itself: the first flight of a path is drawn under the condition
-/// that it meets a particle, so every path does. All wavelengths have the same μ_s here, and share paths.
+/// that it meets a particle, so every path does. Of the study's phase functions, which all have one μ_s here and share paths, and
+/// of three that are unlike. With their mean cosine goes their amount of light.
 pub fn angles(context: &Context) -> Result<Gate, CheckError> {
     let Context { plan, judge, .. } = context;
-    let medium = &plan.yarn.medium;
     let nm = plan.grid.nm();
+    let own: Vec<(&Phase, f64)> = (0..nm.len()).map(|w| (plan.yarn.medium.phase(w), 1.0)).collect();
+    let mut unlike = Vec::new();
+    for (g, _) in CONTRAST {
+        let density = HenyeyGreenstein::new(g)?;
+        let table = PhaseTable::from_density(CONTRAST_NODES, |cos| Phase::HenyeyGreenstein(density).pdf(cos))?;
+        unlike.push(Phase::Table(table));
+    }
+    let unlike: Vec<(&Phase, f64)> = unlike
+        .iter()
+        .zip(CONTRAST)
+        .map(|(phase, (_, times))| (phase, times))
+        .collect();
+    let mut batches = one_scattering(context, ANGLE_STREAM, &own, 4)?;
+    for (batch, more) in batches
+        .iter_mut()
+        .zip(one_scattering(context, ANGLE_STREAM + 1, &unlike, 12)?)
+    {
+        batch.extend(more);
+    }
+    let tolerance = plan.study.check.scattering_angle * context.widening;
+    let of_own = 2 * nm.len();
+    Ok(judge.zero(ANGLE, &batches, tolerance, |i| {
+        let quantity = ["mean cosine", "amount"][i % 2];
+        match i < of_own {
+            true => Place::new(nm[i / 2], quantity),
+            false => Place::named(format!("{quantity} of g = {}", CONTRAST[(i - of_own) / 2].0)),
+        }
+    }))
+}
+
+/// Σ w (cosθ − g) and Σ w − the expected amount of every phase function, over that amount: [batch][phase × 2].
+fn one_scattering(
+    context: &Context,
+    stream: usize,
+    phases: &[(&Phase, f64)],
+    shares: u64,
+) -> Result<Vec<Vec<f64>>, CheckError> {
+    let plan = context.plan;
     let radius_mm = plan.yarn.cylinder.radius_mm();
     let cylinder = Cylinder::new(radius_mm)?;
-    let coefficients: Vec<Coefficients<'_>> = (0..nm.len())
-        .map(|w| Coefficients {
-            mu_s: 0.5 * THIN / radius_mm,
+    let coefficients: Vec<Coefficients<'_>> = phases
+        .iter()
+        .map(|(phase, times)| Coefficients {
+            mu_s: 0.5 * THIN * times / radius_mm,
             mu_a: 0.0,
-            phase: medium.phase(w),
+            phase,
         })
         .collect();
     let interior = Interior::new(1.0, &coefficients)?;
@@ -118,36 +162,34 @@ pub fn angles(context: &Context) -> Result<Gate, CheckError> {
         normal: Vec3::z(),
         omega_in: Vec3::z(),
     };
-    let paths = context.share(4) as usize;
-    let batches: Vec<Vec<f64>> = (0..context.batches)
-        .into_par_iter()
-        .map(|batch| {
-            let stream = Stream::open(plan.study.seed, Purpose::Check, ANGLE_STREAM, batch, 0);
-            let mut cosines = vec![0.0; nm.len()];
-            let mut amounts = vec![0.0; nm.len()];
-            walk.trace(
-                stream,
-                paths,
-                |_| entry,
-                |exit| {
-                    if exit.scattered {
-                        for ((cosine, amount), weight) in cosines.iter_mut().zip(&mut amounts).zip(exit.weights) {
-                            *cosine -= weight * exit.direction.z;
-                            *amount += weight;
-                        }
+    let paths = context.share(shares) as usize;
+    let batch = |batch| {
+        let stream = Stream::open(plan.study.seed, Purpose::Check, stream, batch, 0);
+        let mut cosines = vec![0.0; phases.len()];
+        let mut amounts = vec![0.0; phases.len()];
+        walk.trace(
+            stream,
+            paths,
+            |_| entry,
+            |exit| {
+                if exit.scattered {
+                    for ((cosine, amount), weight) in cosines.iter_mut().zip(&mut amounts).zip(exit.weights) {
+                        *cosine -= weight * exit.direction.z;
+                        *amount += weight;
                     }
-                },
-            );
-            // Σ w (cosθ − g) over its expected Σ w, the paths times 2 μ_s R: free of the bias of a ratio.
-            let expected = paths as f64 * -(-THIN).exp_m1();
-            let cells = cosines.iter().zip(&amounts).zip(medium.g());
-            cells
-                .map(|((cosine, amount), g)| (cosine - amount * g) / expected)
-                .collect()
-        })
-        .collect();
-    let tolerance = plan.study.check.scattering_angle * context.widening;
-    Ok(judge.zero(ANGLE, &batches, tolerance, |i| Place::new(nm[i], "")))
+                }
+            },
+        );
+        let cells = cosines.iter().zip(&amounts).zip(phases);
+        cells
+            .flat_map(|((cosine, amount), (phase, times))| {
+                // The paths times the share that scatters: free of the bias of a ratio.
+                let expected = paths as f64 * -(-THIN * times).exp_m1();
+                [(cosine - amount * phase.g()) / expected, amount / expected - 1.0]
+            })
+            .collect()
+    };
+    Ok((0..context.batches).into_par_iter().map(batch).collect())
 }
 
 /// In place of a direction, apart from those of the far field's tilts.

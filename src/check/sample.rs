@@ -25,11 +25,19 @@ const RECIPROCITY: Law = Law {
 };
 const ENERGY: Law = Law {
     name: "sample-energy",
-    words: "the mean of β over the views, by projected solid angle, is at most 1",
+    words: "the directional-hemispherical reflectance is at most 1",
+};
+const ENERGY_OF_PLANE: Law = Law {
+    name: "sample-energy",
+    words: "plausibility: the mean of β over the views of the plane of incidence, by projected solid angle, is at most 1",
+};
+const UNITS: Law = Law {
+    name: "sample-units",
+    words: "plausibility: values and angles have the size that their units give them",
 };
 const JUMPS: Law = Law {
     name: "sample-jumps",
-    words: "no reading lies off the line between its neighbouring views, relative to the curve's largest",
+    words: "plausibility: no reading lies off the line between its neighbouring views, relative to the curve's largest",
 };
 
 /// Views that a curve has to reach, degrees, and gaps it may have.
@@ -76,8 +84,10 @@ pub fn sample(name_or_path: &str, tolerances: &CheckSection) -> Result<Checked, 
     let judge = Judge {
         level: tolerances.false_alarms / STOCHASTIC_GATES,
         paths: 0,
+        precision: 0.0,
     };
     let curves = Curves {
+        sample: &sample,
         readings: sample.raw().collect(),
         wavelengths_nm: sample.wavelengths_nm(),
         stated: sample.uncertainty() != Uncertainty::NotStated,
@@ -88,15 +98,29 @@ pub fn sample(name_or_path: &str, tolerances: &CheckSection) -> Result<Checked, 
         gates.extend(curves.reciprocity(tolerances.sample));
         gates.push(curves.energy());
         gates.push(curves.jumps(tolerances.sample));
+        gates.push(curves.units());
     }
     Ok(Checked::new(gates, Vec::new(), subject))
 }
 
 struct Curves<'a> {
+    sample: &'a Sample,
     readings: Vec<RawReading<'a>>,
     wavelengths_nm: Option<&'a [f64]>,
     stated: bool,
     judge: Judge,
+}
+
+/// A gate whose rule is no law: what it finds leaves the verdict open.
+fn plausibility(gate: Gate, words: &str) -> Gate {
+    match gate.verdict {
+        Verdict::Broken => Gate {
+            verdict: Verdict::Undecided,
+            ..gate
+        }
+        .with_note(words),
+        _ => gate,
+    }
 }
 
 /// A departure from a law with its standard error, where it is.
@@ -145,6 +169,21 @@ impl<'a> Curves<'a> {
         }
     }
 
+    /// What the reader said of units, signs and values.
+    fn units(&self) -> Gate {
+        let gate = Gate::undecided(UNITS);
+        let notices = self.sample.notices();
+        match self.sample.implausible() {
+            true => gate.with_note(notices.join("; ")),
+            false => Gate {
+                cells: self.readings.len(),
+                verdict: Verdict::Holds,
+                note: (!notices.is_empty()).then(|| notices.join("; ")),
+                ..gate
+            },
+        }
+    }
+
     fn uncertainty(&self) -> Gate {
         let gate = Gate::undecided(UNCERTAINTY);
         if !self.stated {
@@ -174,12 +213,17 @@ impl<'a> Curves<'a> {
         let gate = Gate::undecided(COVERAGE);
         let mut lacks = Vec::new();
         if self.find(0.0, 0.0).is_none() {
-            lacks.push("no reading at normal incidence and view: nothing can be normalised".to_owned());
+            lacks.push(
+                "no reading at normal incidence and view: the nearest one normalises, and has its gloss in it"
+                    .to_owned(),
+            );
         }
         for curve in self.by_incidence() {
             let views: Vec<f64> = curve.iter().map(|reading| reading.theta_v_deg).collect();
             let (low, high) = (views[0], views[views.len() - 1]);
             let gap = views.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+            // Differences of decimals, as people write them.
+            let gap = (gap * 1e6).round() / 1e6;
             if low > -REACH_DEG || high < REACH_DEG || gap > GAP_DEG {
                 lacks.push(format!(
                     "incidence {} has views {low} to {high}, gaps of {gap} degrees at most",
@@ -225,9 +269,14 @@ impl<'a> Curves<'a> {
         (!departures.is_empty()).then(|| self.judge(RECIPROCITY, &departures, tolerance, f64::abs, 2.0))
     }
 
-    /// In the plane of incidence alone, as if the other views were like those: ∫ β |sinθ| cosθ dθ over the same without β, by
-    /// the trapezoidal rule. A bound that gross errors of scale break, and no more.
+    /// By the hemisphere where the sample has one. In the plane of incidence alone, as if the other views were like those: ∫ β |sinθ|
+    /// cosθ dθ over the same without β, by the trapezoidal rule; a narrow lobe fills the plane and not the hemisphere, so that bound
+    /// is a plausibility and breaks nothing.
     fn energy(&self) -> Gate {
+        let hemispheres = self.hemispheres();
+        if !hemispheres.is_empty() {
+            return self.judge(ENERGY, &hemispheres, 0.0, |x| x, 1.0);
+        }
         let mut departures = Vec::new();
         for curve in self.by_incidence() {
             let weights: Vec<f64> = (0..curve.len())
@@ -251,7 +300,39 @@ impl<'a> Curves<'a> {
                 });
             }
         }
-        self.judge(ENERGY, &departures, 0.0, |x| x, 1.0)
+        plausibility(
+            self.judge(ENERGY_OF_PLANE, &departures, 0.0, |x| x, 1.0),
+            "more than 1 in the plane of incidence: a narrow lobe may do that, per cent in place of fractions does",
+        )
+    }
+
+    /// Directional-hemispherical reflectance less 1 at every incidence that is read over half of the hemisphere or more; what was not
+    /// read counts as dark, so the law errs on the side of holding.
+    fn hemispheres(&self) -> Vec<Departure> {
+        const LEAST_SHARE: f64 = 0.5;
+        let mut departures = Vec::new();
+        for curve in self.by_incidence() {
+            let Some((values, share)) = self.sample.hemispherical(curve[0].theta_i_deg) else {
+                continue;
+            };
+            if share < LEAST_SHARE {
+                continue;
+            }
+            for (k, value) in values.iter().enumerate() {
+                // One instrument's errors go together: relative as those of the curve.
+                let [beta, se] = [|r: &RawReading, k: usize| r.beta[k], |r: &RawReading, k: usize| r.se[k]]
+                    .map(|of| curve.iter().map(|r| of(r, k)).sum::<f64>());
+                departures.push(Departure {
+                    value: value - 1.0,
+                    se: if beta > 0.0 { value * se / beta } else { 0.0 },
+                    place: match self.wavelengths_nm {
+                        Some(nm) => Place::new(nm[k], format!("theta_i {} deg", curve[0].theta_i_deg)),
+                        None => Place::named(format!("theta_i {} deg, channel {}", curve[0].theta_i_deg, k + 1)),
+                    },
+                });
+            }
+        }
+        departures
     }
 
     fn jumps(&self, tolerance: f64) -> Gate {
@@ -275,7 +356,10 @@ impl<'a> Curves<'a> {
                 }
             }
         }
-        self.judge(JUMPS, &departures, tolerance, f64::abs, 2.0)
+        plausibility(
+            self.judge(JUMPS, &departures, tolerance, f64::abs, 2.0),
+            "an outlier, or a peak narrower than the steps of the views",
+        )
     }
 
     /// Broken where a departure is beyond the tolerance and, all together, beyond chance. Without errors the tolerance alone

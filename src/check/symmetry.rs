@@ -4,11 +4,11 @@ use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
 use crate::yarn::{Effort, FarFieldBatch, FarFieldGrid, FarFieldTracer};
 
-const RECIPROCITY: Law = Law {
+pub const RECIPROCITY: Law = Law {
     name: "reciprocity",
     words: "f* cosθ_out, integrated around the yarn, is the same with light and viewer exchanged",
 };
-const MIRROR: Law = Law {
+pub const MIRROR: Law = Law {
     name: "mirror",
     words: "the yarn scatters alike in its two mirror planes",
 };

@@ -15,7 +15,7 @@ const FACTOR: Law = Law {
     name: "radiance-factor-integral",
     words: "f* integrates over surface and directions to the ledger's scattered light",
 };
-const ROADS: Law = Law {
+pub const ROADS: Law = Law {
     name: "two-roads",
     words: "f* summed from the BSSRDF over the lit surface sends out the light that a parallel beam does",
 };

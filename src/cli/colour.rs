@@ -1,24 +1,27 @@
 use super::{Failure, Terminal, study};
 use serde::Serialize;
-use specval::colour::{Adaptation, Colour, ColourSystem, Convention, Illuminant, Observer, RgbSpace};
+use specval::colour::{Adaptation, Colour, ColourSystem, Convention, Illuminant, Observer, RgbSpace, Stated, Xyz};
+use specval::formats::{self, Format};
 use specval::run::FileKind;
-use specval::spectrum::read_spectra;
+use specval::sample::Sample;
+use specval::spectrum::{Samples, SpectraFile, WavelengthGrid, plausibility};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Sums run over exactly the wavelengths of the file; the perfect diffuser has Y = 1 and is the white of Lab. RGB is
-/// linear and never clipped.
+/// The perfect diffuser has Y = 1 and is the white of Lab. RGB is linear and never clipped. On 390..730 nm in steps of 10 nm or
+/// finer the sums run over exactly the wavelengths of the file; other data are interpolated, which is told.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Spectral brightness factors: CSV, the column wavelength_nm first, then one column a spectrum, or CGATS-like text.
+    /// Spectral brightness factors: CSV with the column wavelength_nm and one column a spectrum, or one column a wavelength; CGATS
+    /// text; or readings over incidence and view, as `measure` writes them.
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// cie1931-2deg, cie1964-10deg, or a file of xbar, ybar, zbar.
-    #[arg(long, value_parser = Observer::load, default_value_t = Convention::default().observer)]
-    observer: Observer,
-    /// D65, D50, A, C, E, or a file of one spectrum.
-    #[arg(long, value_parser = Illuminant::load, default_value_t = Convention::default().illuminant)]
-    illuminant: Illuminant,
+    /// cie1931-2deg, cie1964-10deg, or a file of xbar, ybar, zbar [default: what a CGATS file states, else cie1931-2deg].
+    #[arg(long, value_parser = Observer::load)]
+    observer: Option<Observer>,
+    /// D65, D50, A, C, E, or a file of one spectrum [default: what a CGATS file states, else D65].
+    #[arg(long, value_parser = Illuminant::load)]
+    illuminant: Option<Illuminant>,
     /// srgb, cie-rgb or ntsc.
     #[arg(long, default_value_t = Convention::default().rgb)]
     rgb: RgbSpace,
@@ -31,30 +34,93 @@ pub struct Arguments {
 struct NamedColour {
     name: String,
     #[serde(flatten)]
+    geometry: Option<Geometry>,
+    #[serde(flatten)]
     colour: Colour,
+    observer: String,
+    illuminant: String,
+    rgb: RgbSpace,
+    adaptation: Adaptation,
+    /// XYZ of the perfect diffuser.
+    white: Xyz,
+    /// How spectra become sums.
+    method: String,
+    /// What makes the colour doubtful.
+    notices: Vec<String>,
 }
 
+#[derive(Clone, Copy, Serialize)]
+struct Geometry {
+    theta_i_deg: f64,
+    theta_v_deg: f64,
+}
+
+/// Spectra on one grid, with what was noticed of the file and of each.
+struct Spectra {
+    grid: WavelengthGrid,
+    all: Vec<Spectrum>,
+    notices: Vec<String>,
+    /// Key words that state an illuminant or an observer.
+    stated: Vec<(String, String)>,
+}
+
+struct Spectrum {
+    name: String,
+    geometry: Option<Geometry>,
+    values: Vec<f64>,
+    notices: Vec<String>,
+}
+
+/// A file that has colours but no spectra.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}: expected spectra, found values that are colours already; `specval inspect` shows them")]
+struct NoSpectra(String);
+
 pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
+    let spectra = read(&arguments.file).map_err(|error| no_spectra(error, &arguments.file))?;
+    let mut notices = spectra.notices;
+    let stated = Stated::of(&spectra.stated);
     let convention = Convention {
-        observer: arguments.observer.clone(),
-        illuminant: arguments.illuminant.clone(),
+        observer: stated.observer(arguments.observer.clone(), &mut notices),
+        illuminant: stated.illuminant(arguments.illuminant.clone(), &mut notices),
         rgb: arguments.rgb,
         adaptation: arguments.adaptation,
     };
-    let mut colours = Vec::new();
-    let mut system: Option<ColourSystem> = None;
-    for (name, samples) in read_spectra(&arguments.file).map_err(|error| no_spectra(error, &arguments.file))? {
-        // All spectra of a file stand on one grid.
-        let system = match &mut system {
-            Some(system) => system,
-            empty => empty.insert(ColourSystem::new(samples.grid(), convention.clone())?),
-        };
-        colours.push(NamedColour {
-            name,
-            colour: system.convert(samples.values()),
-        });
+    let system = ColourSystem::new(&spectra.grid, convention.clone())?;
+    system
+        .require()
+        .map_err(|e| format!("{}: {e}", arguments.file.display()))?;
+    notices.extend(system.doubt().map(|why| format!("the colours are doubtful: {why}")));
+    for notice in &notices {
+        terminal.notice(notice);
     }
-    terminal.result(&colours, |colours| text(colours, &convention))
+    let own: Vec<&String> = spectra.all.iter().flat_map(|spectrum| &spectrum.notices).collect();
+    if let Some(first) = own.first() {
+        let others = own.len() - 1;
+        let more = if others > 0 {
+            format!(" (and {others} more of this kind)")
+        } else {
+            String::new()
+        };
+        terminal.notice(&format!("{first}{more}"));
+    }
+    let colours: Vec<NamedColour> = spectra
+        .all
+        .into_iter()
+        .map(|spectrum| NamedColour {
+            name: spectrum.name,
+            geometry: spectrum.geometry,
+            colour: system.convert(&spectrum.values),
+            observer: convention.observer.name().into(),
+            illuminant: convention.illuminant.name().into(),
+            rgb: convention.rgb,
+            adaptation: convention.adaptation,
+            white: system.white(),
+            method: system.method().into(),
+            notices: notices.iter().cloned().chain(spectrum.notices).collect(),
+        })
+        .collect();
+    terminal.result(&colours, |colours| text(colours, &system))
 }
 
 /// Why this is no table of spectra.
@@ -63,22 +129,97 @@ fn no_spectra(error: impl Into<Failure>, path: &Path) -> Failure {
     study::or_other_kind(error, path, "a table of spectra", due)
 }
 
-fn text(colours: &[NamedColour], convention: &Convention) -> String {
+fn read(path: &Path) -> Result<Spectra, Failure> {
+    let format = formats::format_of(path);
+    if matches!(format, Ok(Format::Csv)) {
+        return readings(path);
+    }
+    match (SpectraFile::read(path), format) {
+        (Ok(file), _) => Ok(named(file)?),
+        (Err(_), Ok(format)) if format != Format::Wif => readings(path),
+        (Err(error), _) => Err(error.into()),
+    }
+}
+
+fn named(file: SpectraFile) -> Result<Spectra, Failure> {
+    let mut all = Vec::with_capacity(file.spectra.len());
+    // All spectra of a file stand on one grid.
+    let grid = file
+        .spectra
+        .first()
+        .map_or_else(WavelengthGrid::preprint, |(_, samples)| samples.grid().clone());
+    for (name, samples) in file.spectra {
+        let notices = plausibility::reflectances(&name, samples.values())?;
+        all.push(Spectrum {
+            name,
+            geometry: None,
+            values: samples.values().to_vec(),
+            notices,
+        });
+    }
+    Ok(Spectra {
+        grid,
+        all,
+        notices: file.notices,
+        stated: file.stated,
+    })
+}
+
+/// Readings over incidence and view, one spectrum for each.
+fn readings(path: &Path) -> Result<Spectra, Failure> {
+    let name = path.display().to_string();
+    let sample = Sample::load(&name)?;
+    let nm = sample.wavelengths_nm().ok_or_else(|| NoSpectra(name))?;
+    let grid = WavelengthGrid::new(nm.to_vec())?;
+    let mut all = Vec::new();
+    for reading in sample.raw() {
+        let (theta_i_deg, theta_v_deg) = (reading.theta_i_deg, reading.theta_v_deg);
+        let name = format!("{theta_i_deg}/{theta_v_deg}");
+        let samples = Samples::new(&name, &grid, reading.beta.to_vec())?;
+        all.push(Spectrum {
+            name,
+            geometry: Some(Geometry {
+                theta_i_deg,
+                theta_v_deg,
+            }),
+            values: samples.values().to_vec(),
+            notices: Vec::new(),
+        });
+    }
+    let values = all.iter().flat_map(|spectrum| spectrum.values.iter().copied());
+    let notices = plausibility::per_cent_for_fractions("beta", values)
+        .into_iter()
+        .collect();
+    Ok(Spectra {
+        grid,
+        all,
+        notices,
+        stated: Vec::new(),
+    })
+}
+
+fn text(colours: &[NamedColour], system: &ColourSystem) -> String {
     let width = colours
         .iter()
         .map(|colour| colour.name.chars().count())
         .max()
         .unwrap_or(0)
         .max(8);
+    let Xyz { x, y, z } = system.white();
+    let title = match colours.first().and_then(|colour| colour.geometry) {
+        Some(_) => "in/view",
+        None => "spectrum",
+    };
     let mut text = format!(
-        "{convention}; the perfect diffuser has Y = 1; RGB linear, not clipped\n\n{:<width$}",
-        "spectrum"
+        "{}; white X {x:.5} Y {y:.5} Z {z:.5}, the perfect diffuser; RGB linear, not clipped\n{}\n\n{title:<width$}",
+        system.convention(),
+        system.method(),
     );
     for title in ["X", "Y", "Z", "R", "G", "B", "L*", "a*", "b*"] {
         let _ = write!(text, " {title:>11}");
     }
     text += "\n";
-    for NamedColour { name, colour } in colours {
+    for NamedColour { name, colour, .. } in colours {
         let _ = write!(text, "{name:<width$}");
         for value in [colour.xyz.x, colour.xyz.y, colour.xyz.z] {
             let _ = write!(text, " {value:>11.7}");

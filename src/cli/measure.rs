@@ -2,7 +2,7 @@ use super::{Failure, Options, Replace, Scratch, Stopping, claim, full, in_words,
 use serde::Serialize;
 use specval::output::{self, Place, beside, write_all};
 use specval::report::effort_line;
-use specval::run::{Plan, Simulator, StateFile, Watch};
+use specval::run::{Plan, RunError, Simulator, StateFile, Watch, grazing_notice};
 use specval::study::MethodChoice;
 use specval::transport::Estimate;
 use specval::woven::ClothLedger;
@@ -51,6 +51,10 @@ struct EnergyRow {
     through_gaps_se: f64,
     absorbed: f64,
     absorbed_se: f64,
+    reflection_dropped: f64,
+    reflection_dropped_se: f64,
+    bounces_cut: f64,
+    bounces_cut_se: f64,
     games: f64,
     games_se: f64,
     residual: f64,
@@ -82,14 +86,11 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
             Some(Method::Volumetric) | None => MethodChoice::Volumetric,
         };
         let (files, terminal) = full::claim_files(out, &arguments.full, &inputs, &arguments.replace, options)?;
-        return full::run(
-            &study::plan(study)?,
-            method,
-            &files,
-            &arguments.full,
-            options,
-            &terminal,
-        );
+        let plan = study::plan(study)?;
+        for notice in plan.notices() {
+            terminal.notice(&notice);
+        }
+        return full::run(&plan, method, &files, &arguments.full, options, &terminal);
     }
     let energy_file = beside(out, ".energy.csv");
     let mut outputs = vec![out];
@@ -98,6 +99,8 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     }
     let (places, terminal) = &claim(&outputs, &inputs, &arguments.replace, options)?;
     let plan = study::plan(study)?;
+    let mut notices = plan.notices();
+    notices.extend(grazing_notice(&plan).map_err(RunError::from)?);
     let scratch = Scratch::take(out, &inputs, arguments.stopping.limits.resume)?;
     let wavelengths = plan.grid.len();
     let stopping = &arguments.stopping;
@@ -126,6 +129,10 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     if rule.precision.is_some() || rule.max_time.is_some() {
         // Only what the study does not say by itself; a comment to the reader of samples.
         text.extend(format!("# {effort}\n").into_bytes());
+    }
+    for notice in &notices {
+        terminal.notice(notice);
+        text.extend(format!("# {notice}\n").into_bytes());
     }
     let mut csv = csv::Writer::from_writer(text);
     for row in &rows {
@@ -167,11 +174,22 @@ fn energy_rows(plan: &Plan, incidences_deg: &[f64], cloth: &[Vec<ClothLedger>]) 
     let cells = cloth.first().map_or(0, Vec::len);
     let row = |i: usize| {
         let estimate = |of: fn(&ClothLedger) -> f64| Estimate::from_batches(cloth.iter().map(|batch| of(&batch[i])));
-        let [reflected, through_yarns, through_gaps, absorbed, games, residual] = [
+        let [
+            reflected,
+            through_yarns,
+            through_gaps,
+            absorbed,
+            dropped,
+            cut,
+            games,
+            residual,
+        ] = [
             estimate(|ledger| ledger.reflected),
             estimate(|ledger| ledger.through_yarns),
             estimate(|ledger| ledger.through_gaps),
             estimate(|ledger| ledger.absorbed),
+            estimate(|ledger| ledger.reflection_dropped),
+            estimate(|ledger| ledger.bounces_cut),
             estimate(|ledger| ledger.games),
             estimate(ClothLedger::residual),
         ];
@@ -186,6 +204,10 @@ fn energy_rows(plan: &Plan, incidences_deg: &[f64], cloth: &[Vec<ClothLedger>]) 
             through_gaps_se: through_gaps.se,
             absorbed: absorbed.value,
             absorbed_se: absorbed.se,
+            reflection_dropped: dropped.value,
+            reflection_dropped_se: dropped.se,
+            bounces_cut: cut.value,
+            bounces_cut_se: cut.se,
             games: games.value,
             games_se: games.se,
             residual: residual.value,

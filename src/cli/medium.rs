@@ -18,15 +18,23 @@ struct Coefficients {
     mu_s_per_mm: Vec<f64>,
     mu_a_per_mm: Vec<f64>,
     g: Vec<f64>,
+    /// Numbers of the study that look like those of another unit.
+    notices: Vec<String>,
 }
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
-    let medium = specval::run::medium(&study::load(arguments.study.as_deref(), options)?)?;
+    let study = study::load(arguments.study.as_deref(), options)?;
+    let notices = specval::run::unit_notices(&study);
+    for notice in &notices {
+        terminal.notice(notice);
+    }
+    let medium = specval::run::medium(&study)?;
     let coefficients = Coefficients {
         wavelength_nm: medium.grid().nm().to_vec(),
         mu_s_per_mm: medium.mu_s_per_mm().to_vec(),
         mu_a_per_mm: medium.mu_a_per_mm().to_vec(),
         g: medium.g().to_vec(),
+        notices,
     };
     terminal.result(&coefficients, text)
 }

@@ -1,7 +1,7 @@
 //! Outputs of a command, checked before any work.
 
 use super::{Failure, Options, Terminal};
-use specval::output::{Lock, Place, beside, is_scratch, prepare};
+use specval::output::{Lock, Place, beside, expect_scratch, prepare};
 use specval::run::input_files;
 use specval::study::Study;
 use std::ffi::OsStr;
@@ -67,7 +67,9 @@ impl Scratch {
         let state = beside(output, ".state");
         let lock = beside(&state, ".lock");
         // What a killed run left is taken over; a file of someone else is not, whatever --force says.
-        prepare(&[&state, &lock], inputs, &is_scratch)?;
+        prepare(&[&state, &lock], inputs, &|_| true)?;
+        expect_scratch(&state)?;
+        expect_scratch(&lock)?;
         let taken = Lock::take(&lock, &[output.to_owned(), state.clone()])?;
         Ok(Self {
             state: Some(state),

@@ -55,6 +55,8 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     }
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     let plan = study::plan(study)?;
+    // Refused before the simulation; the report tells what is only doubtful.
+    plan.colour_notices()?;
     let geometries = run::report_geometries(&plan);
     let mut names = file_names(incidences(&geometries));
     if arguments.approximations {

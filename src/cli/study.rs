@@ -46,6 +46,9 @@ pub fn load(path: Option<&Path>, options: &Options) -> Result<Study, LoadError> 
         study.trace.paths_direct = paths.get();
         study.trace.particles = paths.get();
         study.trace.particles_volumetric = paths.get();
+        for key in ["paths_bssrdf", "paths_direct", "particles", "particles_volumetric"] {
+            study.origin.forget(&format!("trace.{key}"));
+        }
     }
     study.validate()?;
     Ok(study)
@@ -56,7 +59,8 @@ fn read(path: &Path) -> Result<Study, LoadError> {
         path: path.to_owned(),
         cause,
     })?;
-    Ok(Study::from_toml(&text, &path.display().to_string())?)
+    let study = Study::from_toml(&text, &path.display().to_string())?;
+    Ok(study.at_folder(path.parent().unwrap_or(Path::new(""))))
 }
 
 /// The plan of a study. A sample or draft of another kind is told by what it is.

@@ -42,6 +42,9 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     let (_, terminal) = &claim(&[&arguments.out], &inputs, &arguments.replace, options)?;
     let plan = study::plan(study)?;
+    for notice in plan.notices() {
+        terminal.notice(&notice);
+    }
     let tracer = YarnTracer::new(&plan)?;
     match arguments.shard {
         Some(shard) => {

@@ -1,4 +1,5 @@
 use super::{ClothError, System};
+use crate::fault::{self, Fault};
 
 /// Who is on top where a weft crosses a warp, over one repeat of the weave.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,7 +54,11 @@ impl Draft {
 
     /// Whether warp `j_warp` lies over weft `i_weft`, both counted on past the repeat.
     pub fn warp_on_top(&self, i_weft: usize, j_warp: usize) -> bool {
-        self.warp_on_top[(i_weft % self.wefts) * self.warps + j_warp % self.warps]
+        let mut column = j_warp % self.warps;
+        if fault::active(Fault::DraftMirrored) {
+            column = self.warps - 1 - column;
+        }
+        self.warp_on_top[(i_weft % self.wefts) * self.warps + column] != fault::active(Fault::FacesExchanged)
     }
 
     /// Number of yarns of a system in the repeat.

@@ -65,6 +65,7 @@ fn check_neighbours(spec: &ClothSpec, system: System, layout: &Layout) -> Result
             return Err(ClothError::Overlap {
                 first,
                 second,
+                neighbours: Some(system),
                 overlap_mm: contact_mm - spacing_mm,
                 remedy: match (system, spec.is_varied()) {
                     (System::Warp, false) => "increase warp_spacing_mm or reduce warp_radius_mm",
@@ -104,6 +105,7 @@ fn check_crossings(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> 
                 return Err(ClothError::Overlap {
                     first: format!("warp {j}"),
                     second: format!("weft {i}"),
+                    neighbours: None,
                     overlap_mm,
                     remedy: "increase the yarn spacings, reduce the yarn radii, or change the amplitude of a sinusoid",
                 });

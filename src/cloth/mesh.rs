@@ -1,5 +1,6 @@
 use super::layout::{Layout, Yarn};
 use super::{ClothSpec, System};
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use std::f64::consts::TAU;
 
@@ -52,6 +53,8 @@ impl Mesh {
             let along_mm = line.repeat_mm() * (ring % rings) as f64 / rings as f64;
             let shift = forward * if ring == rings { line.repeat_mm() } else { 0.0 };
             let (height_mm, slope) = line.height_and_slope(along_mm);
+            let crimp = if fault::active(Fault::CrimpLow) { 0.9 } else { 1.0 };
+            let height_mm = crimp * height_mm;
             let axis = (forward + Vec3::z() * slope).normalize();
             let upward = (Vec3::z() - forward * slope).normalize();
             let centre = forward * along_mm + lateral * across_mm + Vec3::z() * height_mm;

@@ -132,6 +132,32 @@ impl ClothSpec {
         [radius_mm * stretch, radius_mm / stretch]
     }
 
+    /// Whether this cloth can be woven.
+    ///
+    /// # Errors
+    /// As [`Cloth::new`], which also limits the number of facets.
+    pub fn check(&self) -> Result<(), ClothError> {
+        layout::Layout::new(self).map(drop)
+    }
+
+    /// With sinusoids of the smallest amplitude, in steps of 2 % of that at which yarns touch where they cross, at which yarns do
+    /// not overlap; or of that one, if there is none up to twice it.
+    pub fn with_least_amplitude(self) -> Self {
+        const STEPS: u32 = 50;
+        let touching_mm = [System::Warp, System::Weft]
+            .map(|system| 0.5 * self.half_axes_mm(system, self.radius_mm(system))[1])
+            .iter()
+            .sum::<f64>();
+        let with = |step: u32| Self {
+            centre_line: CentreLineKind::Sinusoid {
+                amplitude_mm: touching_mm * (1.0 + f64::from(step) / f64::from(STEPS)),
+            },
+            ..self.clone()
+        };
+        let possible = (0..=STEPS).map(with).find(|spec| spec.check().is_ok());
+        possible.unwrap_or_else(|| with(0))
+    }
+
     fn is_varied(&self) -> bool {
         self.radius_variation > 0.0 || self.spacing_variation > 0.0
     }
@@ -227,6 +253,8 @@ pub enum ClothError {
     Overlap {
         first: String,
         second: String,
+        /// The system of both, where they run side by side; none where they cross.
+        neighbours: Option<System>,
         overlap_mm: f64,
         remedy: &'static str,
     },

@@ -3,13 +3,16 @@
 
 mod convention;
 mod difference;
+mod interpolation;
 mod rgb_space;
 mod source;
+mod stated;
 mod system;
 
 pub use convention::{Adaptation, Convention, RgbSpace};
 pub use difference::delta_e_2000;
 pub use source::{Illuminant, Observer, TableFile};
+pub use stated::Stated;
 pub use system::ColourSystem;
 
 use serde::Serialize;
@@ -57,7 +60,7 @@ impl LinearRgb {
 /// Why there is no colour conversion.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ColourError {
-    /// The grid leaves the observer's or the illuminant's table.
+    /// A table of the user's own does not cover the grid.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
     #[error("{0}; nor is there a file of that name")]
@@ -66,8 +69,8 @@ pub enum ColourError {
     #[error("{kind}: {source}")]
     File { kind: &'static str, source: SpectrumError },
     #[error(
-        "on {low}..{high} nm under {convention} the perfect diffuser has X, Y, Z = {x}, {y}, {z}; all must be positive \
-         to speak of colour: take a grid that spans the visible, such as 390..730 nm"
+        "on {low}..{high} nm under {convention} the perfect diffuser has X, Y, Z = {x}, {y}, {z}; all must be positive to speak \
+         of colour: check the illuminant's and the observer's tables"
     )]
     Blind {
         low: f64,
@@ -77,4 +80,8 @@ pub enum ColourError {
         y: f64,
         z: f64,
     },
+    #[error(
+        "these data have no colour: {why}; 390..730 nm in steps of 10 nm, or 400..700 nm in steps of 20 nm at most, have one"
+    )]
+    NoColour { why: String },
 }

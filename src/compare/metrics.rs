@@ -1,7 +1,10 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use crate::fault::{self, Fault};
+
 use super::propagation::{Channels, Estimate, Propagation, check};
 use super::{Channel, CompareError, Geometry, Inputs, RmseRatio, Source, Verdict};
+use crate::sample::Reading;
 
 /// Functions of (model mean, measured) that [`Propagation`] turns into estimates.
 pub(super) struct Curves<'a> {
@@ -9,7 +12,8 @@ pub(super) struct Curves<'a> {
     classical: &'a [Channels],
     /// Which reading exists; the values come with every call.
     measured: Vec<bool>,
-    normal: usize,
+    reference: usize,
+    normalised: bool,
 }
 
 impl<'a> Curves<'a> {
@@ -23,35 +27,27 @@ impl<'a> Curves<'a> {
                 found: inputs.measured.len(),
             });
         }
-        let normal = inputs
-            .geometries
-            .iter()
-            .position(|g| g.theta_i_deg == 0.0 && g.theta_v_deg == 0.0)
-            .ok_or(CompareError::NoNormal { what: "a geometry" })?;
-        let reading = inputs.measured[normal].ok_or(CompareError::NoNormal {
-            what: "a measured value",
-        })?;
+        let reference = reference(inputs.geometries, inputs.measured).ok_or(CompareError::NoReading)?;
         let y = Channel::Y as usize;
-        for (what, luminance) in [
-            ("the measured sample", reading.beta[y]),
-            ("the model", model_mean[normal][y]),
-            ("the classical model", inputs.classical[normal][y]),
-        ] {
-            if luminance <= 0.0 {
-                return Err(CompareError::Dark { what, luminance });
-            }
-        }
+        let measured = inputs.measured[reference].map_or(0.0, |reading| reading.beta[y]);
+        let luminances = [measured, model_mean[reference][y], inputs.classical[reference][y]];
         Ok(Self {
             geometries: inputs.geometries,
             classical: inputs.classical,
             measured: inputs.measured.iter().map(Option::is_some).collect(),
-            normal,
+            reference,
+            normalised: luminances.iter().all(|luminance| *luminance > 0.0),
         })
     }
 
-    /// Index of normal incidence and view.
-    pub(super) fn normal(&self) -> usize {
-        self.normal
+    /// Where sources are normalised and colour ratios taken.
+    pub(super) fn reference(&self) -> usize {
+        self.reference
+    }
+
+    /// Whether every source has light there; else values are absolute.
+    pub(super) fn normalised(&self) -> bool {
+        self.normalised
     }
 
     pub(super) fn theta_v_deg(&self, j: usize) -> f64 {
@@ -72,11 +68,17 @@ impl<'a> Curves<'a> {
             .collect()
     }
 
-    /// measured/source luminance at the normal; 1 for the measurement itself.
+    /// measured/source luminance at the reference; 1 for the measurement itself and where nothing is normalised.
     pub(super) fn coefficient(&self, source: Source, model: &[Channels], measured: &[Option<Channels>]) -> f64 {
-        let raw = |source| self.raw(source, self.normal, Channel::Y, model, measured);
+        let channel = if fault::active(Fault::NormalisedByRed) {
+            Channel::R
+        } else {
+            Channel::Y
+        };
+        let raw = |source| self.raw(source, self.reference, channel, model, measured);
         match source {
             Source::Measured => 1.0,
+            _ if !self.normalised => 1.0,
             _ => raw(Source::Measured) / raw(source),
         }
     }
@@ -159,16 +161,41 @@ pub(super) fn peak_angle_deg(angles_deg: &[f64], values: &[f64]) -> f64 {
     angles_deg[top] + 0.5 * (right * right * drop_left - left * left * drop_right) / bend
 }
 
+/// Relative Monte Carlo error of the model's luminance above which no verdict is given: the jackknife of a ratio holds for small
+/// errors alone, and few paths leave out the rare bright ones.
+const LARGEST_MODEL_ERROR: f64 = 0.25;
+
+/// Place of the reading nearest to normal incidence and view, by the squares of its two angles, of those with light if there is one.
+pub fn reference(geometries: &[Geometry], measured: &[Option<Reading>]) -> Option<usize> {
+    let distance = |j: usize| geometries[j].theta_i_deg.hypot(geometries[j].theta_v_deg);
+    let nearest = |lit: bool| {
+        let readings = std::iter::zip(0..geometries.len(), measured);
+        readings
+            .filter(|(_, reading)| reading.is_some_and(|reading| !lit || reading.beta[Channel::Y as usize] > 0.0))
+            .map(|(j, _)| j)
+            .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+    };
+    nearest(true).or_else(|| nearest(false))
+}
+
 /// Interval and verdict from ln(RMSE classical) − ln(RMSE model).
-pub(super) fn ratio_of(log: &Estimate, propagation: &Propagation, theta_i_deg: f64, channel: Channel) -> RmseRatio {
+pub(super) fn ratio_of(
+    log: &Estimate,
+    propagation: &Propagation,
+    theta_i_deg: f64,
+    channel: Channel,
+    model_error: f64,
+) -> RmseRatio {
+    let too_few_paths = model_error.is_nan() || model_error > LARGEST_MODEL_ERROR;
     let half = t_quantile(log, propagation.batches()) * log.se;
     let interval = [(log.value - half).exp(), (log.value + half).exp()];
-    let defined = log.value.is_finite() && interval.iter().all(|end| end.is_finite());
+    let defined = !too_few_paths && log.value.is_finite() && interval.iter().all(|end| end.is_finite());
     RmseRatio {
         theta_i_deg,
         channel,
         ratio: log.value.exp(),
         interval: defined.then_some(interval),
+        too_few_paths,
         verdict: match interval {
             [low, _] if defined && low > 1.0 => Verdict::Better,
             [_, high] if defined && high < 1.0 => Verdict::Worse,

@@ -1,9 +1,12 @@
 //! Model and classical shading against the measurement: curves, errors, colour ratios, each with its standard error,
 //! and a verdict.
 
+mod hue;
 mod metrics;
 mod propagation;
 
+pub use hue::{HueComparison, hue};
+pub use metrics::reference;
 pub use propagation::{Channels, Estimate, Propagation};
 
 use serde::Serialize;
@@ -42,7 +45,7 @@ impl Channel {
     pub const ALL: [Self; 4] = [Self::R, Self::G, Self::B, Self::Y];
 }
 
-/// Brightness factors β to compare; the lists run along `geometries`. One geometry is normal incidence and view.
+/// Brightness factors β to compare; the lists run along `geometries`. At least one was measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a> {
     pub geometries: &'a [Geometry],
@@ -54,7 +57,7 @@ pub struct Inputs<'a> {
     pub measured: &'a [Option<Reading>],
 }
 
-/// measured/model luminance at normal incidence and view, one scalar a source; a perfect model has 1.
+/// measured/model luminance at the reading nearest to normal incidence and view, one scalar a source; a perfect model has 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Normalisation {
     pub model: Estimate,
@@ -122,19 +125,43 @@ pub struct RmseRatio {
     pub channel: Channel,
     pub ratio: f64,
     /// 95 % interval, symmetric in the logarithm, Student's t with the effective degrees of freedom of the batches
-    /// (Welch–Satterthwaite). `None` if an RMSE is exactly 0. Measurement noise adds to both RMSE and draws the ratio
+    /// (Welch–Satterthwaite). `None` if an RMSE is exactly 0 or `too_few_paths`. Measurement noise adds to both RMSE and draws the ratio
     /// towards 1, so the verdict errs on the side of `CannotTell`.
     pub interval: Option<[f64; 2]>,
+    /// The model's luminance at this incidence, or its normalisation, is known to no better than a quarter: no verdict.
+    pub too_few_paths: bool,
     /// Better or worse if the interval leaves out 1. Each verdict has its own chance of a false alarm, about 5 % (4 to
     /// 6 % in trials with 8 batches and noise up to half of the departures); they are not corrected for their number.
     pub verdict: Verdict,
 }
 
-/// Blue/red and green/red at normal incidence and view; normalisation cancels.
+/// Blue/red and green/red at one geometry; normalisation cancels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ColourRatios {
     pub blue_over_red: Estimate,
     pub green_over_red: Estimate,
+    pub red: Estimate,
+    /// Red is within two of its standard errors of 0, or below 2 % of the largest component: a ratio to it means nothing.
+    pub red_is_zero: bool,
+}
+
+impl ColourRatios {
+    /// From r, g and b as functions of (model, measured).
+    fn new(propagation: &Propagation, component: impl Fn(Channel, &[Channels], &[Option<Channels>]) -> f64) -> Self {
+        /// Errors and share of the largest component within which red counts as 0.
+        const SIGMAS: f64 = 2.0;
+        const SHARE: f64 = 0.02;
+        let [red, green, blue] =
+            [Channel::R, Channel::G, Channel::B].map(|c| propagation.estimate(|a, b| component(c, a, b)));
+        let over_red = |c| propagation.estimate(|a, b| component(c, a, b) / component(Channel::R, a, b));
+        let largest = red.value.abs().max(green.value.abs()).max(blue.value.abs());
+        Self {
+            blue_over_red: over_red(Channel::B),
+            green_over_red: over_red(Channel::G),
+            red,
+            red_is_zero: !(red.value - red.se).is_finite() || red.value.abs() <= (SIGMAS * red.se).max(SHARE * largest),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -147,7 +174,10 @@ pub struct SourceRatios {
 /// All that the report says of model, classical shading and measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    pub normalisation: Normalisation,
+    /// `None` where a source has no light at the reference: then all values are absolute.
+    pub normalisation: Option<Normalisation>,
+    /// The measured geometry nearest to normal incidence and view: of normalisation and colour ratios.
+    pub reference: Geometry,
     pub curves: Vec<CurvePoint>,
     pub rmse: Vec<Rmse>,
     pub peaks: Vec<Peak>,
@@ -161,10 +191,11 @@ impl Comparison {
         let curves = Curves::new(inputs, propagation.model_mean())?;
         let coefficient = |source| propagation.estimate(|model, measured| curves.coefficient(source, model, measured));
         let mut comparison = Self {
-            normalisation: Normalisation {
+            normalisation: curves.normalised().then(|| Normalisation {
                 model: coefficient(Source::Model),
                 classical: coefficient(Source::Classical),
-            },
+            }),
+            reference: inputs.geometries[curves.reference()],
             curves: curve_points(inputs, &propagation, &curves),
             rmse: Vec::new(),
             peaks: Vec::new(),
@@ -172,16 +203,38 @@ impl Comparison {
             colour_ratios: [Source::Model, Source::Classical, Source::Measured]
                 .map(|source| SourceRatios {
                     source,
-                    ratios: normal_ratios(&propagation, &curves, source),
+                    ratios: reference_ratios(&propagation, &curves, source),
                 })
                 .to_vec(),
         };
         for (theta_i_deg, views) in curves.incidences() {
+            let error = comparison.model_error(&propagation, &curves, &views);
             for channel in Channel::ALL {
-                comparison.add_metrics(&propagation, &curves, theta_i_deg, &views, channel);
+                comparison.add_metrics(&propagation, &curves, theta_i_deg, &views, channel, error);
             }
         }
         Ok(comparison)
+    }
+
+    /// Relative Monte Carlo error of the model's luminance over the views, rms over mean, or of its coefficient, if larger.
+    fn model_error(&self, propagation: &Propagation, curves: &Curves, views: &[usize]) -> f64 {
+        let estimates = views.iter().map(|&j| {
+            propagation.estimate(|model, measured| curves.value(Source::Model, j, Channel::Y, model, measured))
+        });
+        let (squares, sum) = estimates.fold((0.0, 0.0), |(squares, sum), e| {
+            (squares + e.se_monte_carlo.powi(2), sum + e.value)
+        });
+        let count = views.len() as f64;
+        let of_views = (squares / count).sqrt() / (sum / count);
+        let of_coefficient = self
+            .normalisation
+            .map_or(0.0, |n| n.model.se_monte_carlo / n.model.value);
+        // f64::max would pass over NaN.
+        if of_coefficient > of_views {
+            of_coefficient
+        } else {
+            of_views
+        }
     }
 
     fn add_metrics(
@@ -191,6 +244,7 @@ impl Comparison {
         theta_i_deg: f64,
         views: &[usize],
         channel: Channel,
+        model_error: f64,
     ) {
         for source in [Source::Model, Source::Classical] {
             let relative = propagation.estimate(|model, measured| {
@@ -235,7 +289,7 @@ impl Comparison {
             (classical.ln() - (model - noise).ln()) / 2.0
         });
         self.rmse_ratios
-            .push(ratio_of(&log_ratio, propagation, theta_i_deg, channel));
+            .push(ratio_of(&log_ratio, propagation, theta_i_deg, channel, model_error));
     }
 }
 
@@ -243,24 +297,15 @@ impl Comparison {
 pub fn model_colour_ratios(batches: &[Channels]) -> Result<ColourRatios, CompareError> {
     let batches: Vec<Vec<Channels>> = batches.iter().map(|batch| vec![*batch]).collect();
     let propagation = Propagation::new(&batches, &[None])?;
-    let over_red = |channel: usize| propagation.estimate(|model, _| model[0][channel] / model[0][0]);
-    Ok(ColourRatios {
-        blue_over_red: over_red(2),
-        green_over_red: over_red(1),
-    })
+    Ok(ColourRatios::new(&propagation, |channel, model, _| {
+        model[0][channel as usize]
+    }))
 }
 
-fn normal_ratios(propagation: &Propagation, curves: &Curves, source: Source) -> ColourRatios {
-    let over_red = |channel| {
-        propagation.estimate(|model, measured| {
-            let [above, red] = [channel, Channel::R].map(|c| curves.value(source, curves.normal(), c, model, measured));
-            above / red
-        })
-    };
-    ColourRatios {
-        blue_over_red: over_red(Channel::B),
-        green_over_red: over_red(Channel::G),
-    }
+fn reference_ratios(propagation: &Propagation, curves: &Curves, source: Source) -> ColourRatios {
+    ColourRatios::new(propagation, |channel, model, measured| {
+        curves.value(source, curves.reference(), channel, model, measured)
+    })
 }
 
 fn curve_points(inputs: &Inputs, propagation: &Propagation, curves: &Curves) -> Vec<CurvePoint> {
@@ -312,8 +357,6 @@ pub enum CompareError {
         index: usize,
         found: Vec<f64>,
     },
-    #[error("normalisation needs {what} at theta_i_deg 0, theta_v_deg 0: add that geometry")]
-    NoNormal { what: &'static str },
-    #[error("normalisation needs light at theta_i_deg 0, theta_v_deg 0: the luminance of {what} there is {luminance}")]
-    Dark { what: &'static str, luminance: f64 },
+    #[error("nothing of the sample was measured at the rig's geometries: expected one reading or more")]
+    NoReading,
 }

@@ -77,6 +77,11 @@ impl Propagation {
         &self.model_mean
     }
 
+    /// β of the readings.
+    pub fn measured_values(&self) -> Vec<Option<Channels>> {
+        self.measured.iter().map(|r| r.map(|r| r.beta)).collect()
+    }
+
     /// Number of batches, at least 2.
     pub fn batches(&self) -> usize {
         self.leave_one_out.len()
@@ -84,7 +89,7 @@ impl Propagation {
 
     /// Value and standard error of F(model mean, measured). Deterministic; F must not depend on anything else.
     pub fn estimate(&self, f: impl Fn(&[Channels], &[Option<Channels>]) -> f64) -> Estimate {
-        let mut measured: Vec<Option<Channels>> = self.measured.iter().map(|r| r.map(|r| r.beta)).collect();
+        let mut measured = self.measured_values();
         let value = f(&self.model_mean, &measured);
         let replicates: Vec<f64> = self.leave_one_out.iter().map(|model| f(model, &measured)).collect();
         let count = replicates.len() as f64;

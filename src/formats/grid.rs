@@ -145,14 +145,11 @@ impl Grid {
         self.values[axes + channel * self.strides[4]] = value;
     }
 
-    /// Value at nodes of the first three axes and an angle of the last, linear between its nodes; NaN outside them.
-    pub(super) fn along_last(&self, node: [usize; 3], angle_rad: f64, channel: usize) -> f64 {
+    /// The node of the last axis at an angle in radians, if there is one.
+    pub(super) fn last_node(&self, angle_rad: f64) -> Option<usize> {
         let angle = self.fold.apply(angle_rad.rem_euclid(TAU));
-        let at = |last: usize| self.at([node[0], node[1], node[2], last], channel);
-        self.axes[3].locate(angle).map_or(f64::NAN, |b| match b.t {
-            0.0 => at(b.below),
-            t => (1.0 - t) * at(b.below) + t * at(b.above),
-        })
+        let between = self.axes[3].locate(angle).filter(|between| between.on_node)?;
+        Some(if between.t < 0.5 { between.below } else { between.above })
     }
 
     pub(super) fn scale(&mut self, node: [usize; 2], channel: usize, by: f64) {

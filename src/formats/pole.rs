@@ -54,7 +54,8 @@ fn outgoing(grid: &mut Grid) -> f64 {
     largest
 }
 
-/// The pole of the first two angles, of tables that depend on the second.
+/// The pole of the first two angles, of tables that depend on the second. Where the last azimuth turns with the second angle,
+/// nodes of one direction are found only if turns lead from nodes to nodes; else the columns stay as they are.
 fn incident(grid: &mut Grid) -> f64 {
     let axes = grid.axes();
     if axes[0].nodes_rad()[0].abs() > AT_POLE_RAD || axes[1].nodes_rad().len() == 1 {
@@ -65,16 +66,25 @@ fn incident(grid: &mut Grid) -> f64 {
     let last = axes[3].nodes_rad().to_vec();
     // In spherical tables the last azimuth counts from x; in the others it turns with the first one.
     let turns = *grid.parameters() != Parameters::Spherical;
+    let same_direction = |i1: usize, i3: usize| -> Option<Vec<usize>> {
+        if !turns {
+            return Some(vec![i3; azimuths.len()]);
+        }
+        let node = |k: &f64| grid.last_node(last[i3] + azimuths[i1] - k);
+        azimuths.iter().map(node).collect()
+    };
     let [_, n1, n2, n3] = grid.shape();
+    let of_one: Option<Vec<Vec<usize>>> = (0..n1 * n3).map(|at| same_direction(at / n3, at % n3)).collect();
+    let Some(of_one) = of_one else {
+        return 0.0;
+    };
     let mut largest = 0.0f64;
     let before = grid.clone();
-    for (i1, i2) in (0..n1).flat_map(|i1| (0..n2).map(move |i2| (i1, i2))) {
-        for (i3, channel) in (0..n3).flat_map(|i3| (0..before.channels()).map(move |c| (i3, c))) {
-            let of = |k: usize| match turns {
-                true => before.along_last([0, k, i2], last[i3] + azimuths[i1] - azimuths[k], channel),
-                false => before.at([0, k, i2, i3], channel),
-            };
-            let column: Vec<f64> = (0..n1).map(of).collect();
+    for (at, nodes) in of_one.iter().enumerate() {
+        let (i1, i3) = (at / n3, at % n3);
+        for (i2, channel) in (0..n2).flat_map(|i2| (0..before.channels()).map(move |c| (i2, c))) {
+            let all = nodes.iter().enumerate();
+            let column: Vec<f64> = all.map(|(k, &node)| before.at([0, k, i2, node], channel)).collect();
             if let Some((mean, difference)) = mean(&column, &shares) {
                 largest = largest.max(difference);
                 grid.set([0, i1, i2, i3], channel, mean);

@@ -2,6 +2,7 @@ use num_complex::Complex64;
 
 use super::quadrature::gauss_legendre;
 use super::{Mie, OpticsError, Phase, PhaseTable, percus_yevick};
+use crate::fault::{self, Fault};
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
 /// Largest volume fraction of equal spheres: the densest packing is π/√18 = 0.7405.
@@ -64,7 +65,10 @@ impl Medium {
             let phases = phases(&spheres, nodes)?;
             let gaps = spheres.iter().zip(&phases).map(|(s, p)| (s, (p.g() - s.g).abs()));
             match gaps.max_by(|a, b| a.1.total_cmp(&b.1)) {
-                Some((_, difference)) if difference <= G_TOLERANCE => return Ok(assemble(grid, &spheres, phases)),
+                Some((_, difference)) if difference <= G_TOLERANCE => {
+                    let phases = faulty(&spheres, phases)?;
+                    return Ok(assemble(grid, &spheres, phases));
+                }
                 Some((sphere, difference)) if nodes >= LAST_NODES => {
                     return Err(OpticsError::PhaseUnresolved {
                         wavelength_nm: sphere.wavelength_nm,
@@ -229,8 +233,14 @@ fn spheres(spec: &MediumSpec, grid: &WavelengthGrid) -> Result<Vec<Sphere>, Opti
         let n = positive("particle index", nm, particle.values()[i])?;
         let k = not_negative("particle kappa", nm, kappa.values()[i])?;
         let added = not_negative("host mu_a in 1/mm", nm, host_mu_a.values()[i])?;
-        let x = std::f64::consts::PI * diameter_nm * n_host / nm;
-        let mie = Mie::sphere(Complex64::new(n / n_host, k / n_host), x).map_err(|source| OpticsError::At {
+        let in_host = if fault::active(Fault::VacuumSize) { 1.0 } else { n_host };
+        let x = std::f64::consts::PI * diameter_nm * in_host / nm;
+        let of_kappa = if fault::active(Fault::KappaAbsolute) {
+            1.0
+        } else {
+            n_host
+        };
+        let mie = Mie::sphere(Complex64::new(n / n_host, k / of_kappa), x).map_err(|source| OpticsError::At {
             wavelength_nm: nm,
             source: Box::new(source),
         })?;
@@ -243,7 +253,13 @@ fn spheres(spec: &MediumSpec, grid: &WavelengthGrid) -> Result<Vec<Sphere>, Opti
             mie,
             x,
             interfering: (spec.interference == Interference::PercusYevick).then_some(fraction),
-            mu_s_per_mm: per_mm * q.q_sca,
+            mu_s_per_mm: per_mm
+                * q.q_sca
+                * if fault::active(Fault::ScatteringHigh) {
+                    1.01
+                } else {
+                    1.0
+                },
             mu_a_per_mm: per_mm * q.q_abs + added,
             g: q.g,
         });
@@ -312,6 +328,26 @@ fn phases(spheres: &[Sphere], nodes: usize) -> Result<Vec<Phase>, OpticsError> {
         Ok(Phase::Table(table))
     };
     spheres.iter().map(table).collect()
+}
+
+/// The tables as the named fault would have them, behind the refinement, which refuses tables whose g is not the sphere's.
+fn faulty(spheres: &[Sphere], phases: Vec<Phase>) -> Result<Vec<Phase>, OpticsError> {
+    let one_polarisation = fault::active(Fault::OnePolarisation);
+    if !one_polarisation && !fault::active(Fault::InterferenceUnused) {
+        return Ok(phases);
+    }
+    let table = |(sphere, phase): (&Sphere, Phase)| {
+        let nodes = match &phase {
+            Phase::Table(table) if sphere.mie.efficiencies().q_sca > 0.0 => table.density().len(),
+            _ => return Ok(phase),
+        };
+        let density = |cos: f64| match one_polarisation {
+            true => sphere.mie.amplitudes(cos).0.norm_sqr() * sphere.structure(cos),
+            false => sphere.mie.unpolarised(cos),
+        };
+        Ok(Phase::Table(PhaseTable::from_density(nodes, density)?))
+    };
+    spheres.iter().zip(phases).map(table).collect()
 }
 
 fn assemble(grid: &WavelengthGrid, spheres: &[Sphere], phases: Vec<Phase>) -> Medium {

@@ -10,6 +10,7 @@ mod structure_factor;
 pub use medium::{Interference, Medium, MediumSpec};
 pub use mie::{Efficiencies, Mie};
 pub use phase::{HenyeyGreenstein, Phase, PhaseError, PhaseTable};
+pub(crate) use quadrature::gauss_legendre;
 pub use structure_factor::percus_yevick;
 
 use crate::spectrum::SpectrumError;

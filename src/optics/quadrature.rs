@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 /// Nodes and weights of the n-point Gauss–Legendre rule on −1..=1, exact for polynomials of degree 2n − 1; n ≥ 1.
 /// Newton's method on the three-term recurrence of the Legendre polynomials, from Tricomi's guess.
-pub(super) fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     let legendre = |x: f64| {
         let (mut p, mut below) = (x, 1.0);
         for k in 2..=n {

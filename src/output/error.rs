@@ -27,6 +27,11 @@ pub enum OutputError {
         #[source]
         cause: io::Error,
     },
+    #[error(
+        "{}: expected the state of a run, or no file, found another; this name belongs to the output: name another output, or move \
+         the file", path.display()
+    )]
+    NotScratch { path: PathBuf },
     #[error("{}: another run is writing there; wait for its end, or name another place", path.display())]
     Busy { path: PathBuf },
 }

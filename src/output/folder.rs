@@ -1,7 +1,7 @@
 use super::file::{make_folder, prepare, write_all};
 use super::place::Place;
 use super::record::Record;
-use super::{Lock, OutputError, is_scratch};
+use super::{Lock, OutputError, expect_scratch};
 use std::path::{Path, PathBuf};
 
 /// One file of a report, complete in memory.
@@ -16,7 +16,6 @@ pub struct NamedFile {
 #[derive(Debug)]
 pub struct ReportFolder {
     path: PathBuf,
-    earlier: Record,
     force: bool,
     _lock: Lock,
 }
@@ -36,21 +35,16 @@ impl ReportFolder {
         let own = names.iter().map(String::as_str).chain([Record::NAME]);
         let outputs: Vec<PathBuf> = own.map(|name| path.join(name)).collect();
         let scratch = [Self::STATE, Self::LOCK].map(|name| path.join(name));
-        let may_replace = |place: &Place| {
-            if scratch.iter().any(|own| own == place.path()) {
-                return is_scratch(place);
-            }
-            force || owns(&earlier, path, place.path())
-        };
+        let is_own = |file: &Path| scratch.iter().any(|own| own == file) || owns(&earlier, path, file);
+        let may_replace = |place: &Place| force || is_own(place.path());
         let all: Vec<&Path> = outputs.iter().chain(&scratch).map(PathBuf::as_path).collect();
         make_folder(path)?;
+        scratch.iter().try_for_each(|path| expect_scratch(path))?;
         prepare(&all, inputs, &may_replace)?;
         let owned: Vec<PathBuf> = outputs.iter().chain(&scratch).cloned().collect();
         let lock = Lock::take(&path.join(Self::LOCK), &owned)?;
         Ok(Self {
             path: path.to_owned(),
-            // Read again under the lock: a run that had it may have ended since.
-            earlier: Record::read(path),
             force,
             _lock: lock,
         })
@@ -63,6 +57,8 @@ impl ReportFolder {
     /// Writes all files or none, and removes what an earlier report wrote here that this one does not and nobody changed; returns the
     /// names of those.
     pub fn write(&self, files: &[NamedFile]) -> Result<Vec<String>, OutputError> {
+        // Read again, now under the lock: the run that had it before may have ended since.
+        let earlier = Record::read(&self.path);
         let record = Record::of(files.iter().map(|file| (file.name.as_str(), file.bytes.as_slice())));
         let places: Vec<Place> = files
             .iter()
@@ -70,7 +66,7 @@ impl ReportFolder {
             .collect::<Result<_, _>>()?;
         for place in &places {
             // A file that came while the run was on its way, or one that was not foreseen.
-            if place.exists() && !self.force && !owns(&self.earlier, &self.path, place.path()) {
+            if place.exists() && !self.force && !owns(&earlier, &self.path, place.path()) {
                 return Err(OutputError::Exists {
                     path: place.path().to_owned(),
                 });
@@ -78,7 +74,7 @@ impl ReportFolder {
         }
         let record_at = Place::find(&self.path.join(Record::NAME))?;
         // Should a kill come between two files, both the old and the new ones are known.
-        let both = self.earlier.and(&record).bytes();
+        let both = earlier.and(&record).bytes();
         let mut set: Vec<(&Place, &[u8])> = vec![(&record_at, &both)];
         set.extend(
             places
@@ -87,7 +83,7 @@ impl ReportFolder {
                 .map(|(place, file)| (place, file.bytes.as_slice())),
         );
         write_all(&set)?;
-        let removed = record.remove_others(&self.earlier, &self.path)?;
+        let removed = record.remove_others(&earlier, &self.path)?;
         write_all(&[(&record_at, &record.bytes())])?;
         Ok(removed)
     }

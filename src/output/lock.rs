@@ -1,7 +1,7 @@
 use super::OutputError;
 use super::error::not_writable;
 use super::file::{remove, remove_leftovers};
-use super::place::{Identity, Place};
+use super::place::Identity;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -14,11 +14,15 @@ pub struct Lock {
     _file: File,
 }
 
-/// Whether what stands in the place of a lock or of a state is one: a lock is empty, a state says so in its first bytes.
-pub fn is_scratch(place: &Place) -> bool {
+/// Refuses what stands in the place of a lock or of a state and is none: a lock is empty, a state says so in its first bytes.
+pub fn expect_scratch(path: &Path) -> Result<(), OutputError> {
     let mut head = Vec::new();
-    let read = File::open(place.path()).and_then(|file| file.take(STATE_BEGINS.len() as u64).read_to_end(&mut head));
-    read.is_ok() && (head.is_empty() || head == STATE_BEGINS)
+    let read = |file: File| file.take(STATE_BEGINS.len() as u64).read_to_end(&mut head);
+    match File::open(path).and_then(read) {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(()),
+        Ok(_) if head.is_empty() || head == STATE_BEGINS => Ok(()),
+        _ => Err(OutputError::NotScratch { path: path.to_owned() }),
+    }
 }
 
 /// As the files of [`crate::artefact`] begin.

@@ -19,5 +19,5 @@ mod record;
 pub use error::OutputError;
 pub use file::{Output, make_folder, prepare, remove, write_all, write_whole};
 pub use folder::{NamedFile, ReportFolder};
-pub use lock::{Lock, is_scratch};
+pub use lock::{Lock, expect_scratch};
 pub use place::{Place, beside};

@@ -1,7 +1,7 @@
 //! The drawing of one graph: R in a large panel, G and B beside it on their own ordinates.
 
 use super::ReportData;
-use super::tables::{channel_name, with_error};
+use super::tables::{channel_name, where_normalised, with_error};
 use crate::compare::{Channel, CurvePoint, Source};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::BoldPoints;
@@ -132,6 +132,8 @@ impl Figure<'_> {
         let mut sentences = Vec::new();
         if present.contains(&Source::Measured) {
             sentences.push(format!("Sample: {} ({}). {}", sample.name, sample.kind, sample.caption));
+        } else if self.data.readings.total > 0 {
+            sentences.push("No measured curve: the sample has no reading at this incidence.".to_owned());
         }
         if let Some(normalisation) = &self.data.normalisation {
             let factors: Vec<String> = [
@@ -143,8 +145,9 @@ impl Figure<'_> {
             .map(|(_, name, factor)| format!("{name} × {}", with_error(factor.value, factor.se)))
             .collect();
             sentences.push(format!(
-                "Normalisation: {} (measured luminance divided by its own, at normal light and view; a perfect model has 1).",
-                factors.join(", ")
+                "Normalisation: {} (measured luminance divided by its own, at {}; a perfect model has 1).",
+                factors.join(", "),
+                where_normalised(self.data)
             ));
         }
         sentences.push(format!(

@@ -16,9 +16,15 @@ pub struct Graph<'a> {
     figure: Figure<'a>,
 }
 
-/// Every graph of the result, in order; two for each incidence that has a curve.
+/// Every graph of the result, in order; two for each incidence that has a curve. Where the geometries are the sample's own, an
+/// incidence that it was not measured at, added for Table 1, has none.
 pub fn graphs(data: &ReportData) -> Vec<Graph<'_>> {
-    let mut incidences: Vec<f64> = data.curves.iter().map(|point| point.theta_i_deg).collect();
+    let sampled = data.readings.geometries_of_sample;
+    let shown = data
+        .curves
+        .iter()
+        .filter(|point| !sampled || point.source == Source::Measured);
+    let mut incidences: Vec<f64> = shown.map(|point| point.theta_i_deg).collect();
     incidences.sort_by(f64::total_cmp);
     incidences.dedup();
     let sets: [&'static [Source]; 2] = [

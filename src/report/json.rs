@@ -1,5 +1,5 @@
-use super::{Convention, Provenance, ReportData, ReportError, SampleNote, Table1Row};
-use crate::compare::{Normalisation, Peak, Rmse, RmseRatio};
+use super::{Convention, Provenance, ReadingCount, ReportData, ReportError, SampleNote, Table1Row};
+use crate::compare::{HueComparison, Normalisation, Peak, Rmse, RmseRatio};
 use serde::Serialize;
 
 /// `report.json`: metrics and provenance. Curves and energy have tables of their own.
@@ -14,6 +14,8 @@ struct Document<'a> {
     peaks: &'a [Peak],
     rmse_ratios: &'a [RmseRatio],
     sample: &'a SampleNote,
+    readings: &'a ReadingCount,
+    hue: &'a Option<HueComparison>,
     provenance: &'a Provenance,
 }
 
@@ -29,6 +31,8 @@ pub fn report_json(data: &ReportData) -> Result<String, ReportError> {
         peaks: &data.peaks,
         rmse_ratios: &data.rmse_ratios,
         sample: &data.sample,
+        readings: &data.readings,
+        hue: &data.hue,
         provenance: &data.provenance,
     };
     Ok(serde_json::to_string_pretty(&document)? + "\n")

@@ -16,7 +16,7 @@ pub use json::report_json;
 pub use ledger::{LedgerRange, ledger_ranges, ledger_table};
 pub use result::{
     AskedEffort, Convention, EffortNote, EnergyRow, InputDigest, PathsPerBatch, Provenance, ReachedPrecision,
-    ReportData, SampleNote, Table1Name, Table1Row,
+    ReadingCount, ReportData, SampleNote, Table1Name, Table1Row,
 };
 pub use summary::{effort_line, summary};
 pub use tables::{curves_csv, energy_csv, table1_csv, table1_markdown};

@@ -1,6 +1,6 @@
 //! The one plain result everything in this room is a pure function of.
 
-use crate::compare::{ColourRatios, CurvePoint, Normalisation, Peak, Rmse, RmseRatio};
+use crate::compare::{ColourRatios, CurvePoint, Geometry, HueComparison, Normalisation, Peak, Rmse, RmseRatio};
 use serde::{Deserialize, Serialize};
 
 /// Everything a report shows. No clock, host name or path stands in it outside [`Provenance`].
@@ -23,6 +23,10 @@ pub struct ReportData {
     /// RMSE(classical)/RMSE(model).
     pub rmse_ratios: Vec<RmseRatio>,
     pub sample: SampleNote,
+    /// What became of every reading of the sample.
+    pub readings: ReadingCount,
+    /// Hue of model and sample at the geometry of normalisation; `None` without a comparison.
+    pub hue: Option<HueComparison>,
     pub provenance: Provenance,
 }
 
@@ -50,8 +54,17 @@ pub struct Table1Row {
 }
 
 impl Table1Row {
-    /// Ratios with their standard errors.
+    /// Ratios with their standard errors; none where red is as good as 0.
     pub fn estimated(row: Table1Name, ratios: &ColourRatios) -> Self {
+        if ratios.red_is_zero {
+            return Self {
+                row,
+                blue_over_red: None,
+                blue_over_red_se: None,
+                green_over_red: None,
+                green_over_red_se: None,
+            };
+        }
         Self {
             row,
             blue_over_red: Some(ratios.blue_over_red.value),
@@ -107,6 +120,40 @@ pub struct EnergyRow {
     pub sharing_se: f64,
 }
 
+/// What became of the readings of a sample: every one is used, interpolated, outside the plane of incidence, outside the rig, or
+/// without a value of the model.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ReadingCount {
+    pub total: usize,
+    /// Compared as they are.
+    pub used: usize,
+    /// Used only to interpolate between two of them.
+    pub interpolated: usize,
+    pub outside_plane: usize,
+    /// At geometries that the rig does not ask for.
+    pub outside_rig: usize,
+    /// The first of them.
+    pub examples_outside_rig: Vec<Geometry>,
+    /// Used, but the model shows no light there.
+    pub no_model_value: usize,
+    /// Readings that were combined with others of the same geometry before they were counted.
+    pub combined: usize,
+    /// Readings whose angles, as an encoder read them, were taken as the nominal ones, and the largest difference in degrees.
+    pub moved: usize,
+    pub largest_move_deg: f64,
+    /// So far a reading may lie from the geometry it is compared at.
+    pub tolerance_deg: f64,
+    /// Whether the geometries are the sample's own, not the study's.
+    pub geometries_of_sample: bool,
+    /// Where model and classical shading are normalised; `None` where nothing is.
+    pub normalised_at: Option<Geometry>,
+}
+
+impl ReadingCount {
+    /// Geometries outside the rig that are named.
+    pub const EXAMPLES: usize = 12;
+}
+
 /// What the sample is, in words that go below every graph and table it appears in.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SampleNote {
@@ -115,6 +162,8 @@ pub struct SampleNote {
     pub kind: String,
     pub source: String,
     pub licence: String,
+    /// Whether its readings have standard errors.
+    pub uncertainty_stated: bool,
     /// What name and kind do not say: its standard uncertainty, its RGB space.
     pub caption: String,
 }

@@ -1,4 +1,4 @@
-use super::tables::{channel_name, rounded, with_error};
+use super::tables::{channel_name, elsewhere, place, rounded, where_normalised, with_error};
 use super::{EffortNote, ReportData, Table1Name, ledger_table};
 use crate::compare::{Channel, Rmse, RmseRatio, Source, Verdict};
 use std::fmt::Write;
@@ -17,6 +17,9 @@ pub fn summary(data: &ReportData) -> String {
         "\nsample: {} ({}). {}",
         data.sample.name, data.sample.kind, data.sample.caption
     );
+    if let Some(line) = readings_line(data) {
+        let _ = writeln!(text, "{line}");
+    }
     let _ = writeln!(text, "{}", effort_line(&data.provenance.effort));
     for notice in &data.provenance.notices {
         let _ = writeln!(text, "notice: {notice}");
@@ -25,6 +28,59 @@ pub fn summary(data: &ReportData) -> String {
         let _ = writeln!(text, "fallback: {fallback}");
     }
     text
+}
+
+/// What became of the sample's readings, by name; none for a sample without.
+fn readings_line(data: &ReportData) -> Option<String> {
+    let count = &data.readings;
+    if count.total == 0 {
+        return None;
+    }
+    let whose = if count.geometries_of_sample {
+        "the sample"
+    } else {
+        "the study's [rig]"
+    };
+    let mut parts = vec![format!(
+        "{} of {} compared at the geometries of {whose}",
+        count.used, count.total
+    )];
+    for (number, words) in [
+        (count.interpolated, "used to interpolate between"),
+        (count.outside_plane, "outside the plane of incidence"),
+        (count.outside_rig, "at geometries that are not measured"),
+        (count.no_model_value, "where the model shows no light"),
+    ] {
+        if number > 0 {
+            parts.push(format!("{number} {words}"));
+        }
+    }
+    let mut line = format!("readings: {}", parts.join(", "));
+    if !count.examples_outside_rig.is_empty() {
+        let named = count
+            .examples_outside_rig
+            .iter()
+            .map(place)
+            .collect::<Vec<_>>()
+            .join(", ");
+        let more = if count.outside_rig > count.examples_outside_rig.len() {
+            ", ..."
+        } else {
+            ""
+        };
+        let _ = write!(line, "; not measured (incidence/view): {named}{more}");
+    }
+    if count.moved > 0 || count.combined > 0 {
+        let _ = write!(
+            line,
+            "; angles of {} readings taken as nominal, by {} degrees at most (tolerance {}); {} repeats combined",
+            count.moved,
+            rounded(count.largest_move_deg),
+            count.tolerance_deg,
+            count.combined
+        );
+    }
+    Some(line)
 }
 
 /// What was traced, why it stopped, and how well it is known now.
@@ -66,9 +122,13 @@ fn table1(text: &mut String, data: &ReportData) {
         "Table 1", "BLUE/RED", "se", "GREEN/RED", "se", data.colour_convention
     );
     for row in &data.table1 {
+        let measured = match elsewhere(data) {
+            Some(at) => format!("measured, {}", place(&at)),
+            None => "measured".to_owned(),
+        };
         let name = match row.row {
             Table1Name::Published => "published",
-            Table1Name::Measured => "measured",
+            Table1Name::Measured => measured.as_str(),
             Table1Name::Model => "model",
             Table1Name::ModelLow => "model low",
             Table1Name::ModelHigh => "model high",
@@ -92,8 +152,9 @@ fn comparison(text: &mut String, data: &ReportData) {
         for (name, factor) in [("model", normalisation.model), ("classical", normalisation.classical)] {
             let _ = writeln!(
                 text,
-                "{name} multiplied by {} (measured/{name} luminance at normal light and view)",
-                with_error(factor.value, factor.se)
+                "{name} multiplied by {} (measured/{name} luminance at {})",
+                with_error(factor.value, factor.se),
+                where_normalised(data)
             );
         }
     }
@@ -105,6 +166,12 @@ fn comparison(text: &mut String, data: &ReportData) {
         "\n{:<10} {:>7} {:>18} {:>18}   the model against the classical shading",
         "incidence", "channel", "RMSE model", "RMSE classical"
     );
+    if data.hue.is_some_and(|hue| hue.plainly_different) {
+        let _ = writeln!(
+            text,
+            "model and sample plainly differ in colour: these verdicts compare two different cloths"
+        );
+    }
     for model in data.rmse.iter().filter(|metric| metric.source == Source::Model) {
         let here = |theta_i_deg: f64, channel: Channel| theta_i_deg == model.theta_i_deg && channel == model.channel;
         let classical = data
@@ -129,6 +196,9 @@ fn comparison(text: &mut String, data: &ReportData) {
 }
 
 fn verdict(ratio: &RmseRatio) -> String {
+    if ratio.too_few_paths {
+        return "withheld: too few paths".to_owned();
+    }
     let words = match ratio.verdict {
         Verdict::Better => "better",
         Verdict::Worse => "worse",

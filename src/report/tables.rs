@@ -1,5 +1,5 @@
 use super::{ReportData, ReportError, Table1Name, Table1Row};
-use crate::compare::Channel;
+use crate::compare::{Channel, Geometry, Source};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -17,12 +17,16 @@ pub fn table1_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
     )
 }
 
-/// `curves.csv`: one line a point.
+/// `curves.csv`: one line a point; no error stands where the sample states none.
 pub fn curves_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
     let rows: Vec<_> = data
         .curves
         .iter()
-        .map(|p| (p.theta_i_deg, p.theta_v_deg, p.source, p.channel, p.beta, p.se))
+        .map(|p| {
+            let unknown = p.source == Source::Measured && !data.sample.uncertainty_stated && p.se == 0.0;
+            let se = (!unknown).then_some(p.se);
+            (p.theta_i_deg, p.theta_v_deg, p.source, p.channel, p.beta, se)
+        })
         .collect();
     csv_of(
         &rows,
@@ -98,6 +102,12 @@ pub fn table1_markdown(data: &ReportData) -> String {
         }
     }
     let sample = &data.sample;
+    let at = elsewhere(data).map_or_else(String::new, |at| {
+        format!(
+            " At incidence {}° and view {}°, the reading nearest to normal incidence and view; the model's rows are of these.",
+            at.theta_i_deg, at.theta_v_deg
+        )
+    });
     let _ = writeln!(
         text,
         "\n[^published]: Red cotton of Voloboy, Galaktionov, Lobalzo, Keldysh Institute preprint 63 (2008), Table 1. \
@@ -105,7 +115,7 @@ pub fn table1_markdown(data: &ReportData) -> String {
     );
     let _ = writeln!(
         text,
-        "[^sample]: {}, kind: {}. {} Source: {}. Licence: {}.",
+        "[^sample]: {}, kind: {}. {} Source: {}. Licence: {}.{at}",
         sample.name,
         sample.kind,
         sample.caption,
@@ -157,10 +167,34 @@ fn rows_for_people(rows: &[Table1Row]) -> Vec<(&'static str, String, String)> {
     out
 }
 
-/// A value and its standard error to the two leading digits of the error: 0.931 ± 0.012.
+/// Where the comparison is normalised, if that is not normal incidence and view.
+pub(super) fn elsewhere(data: &ReportData) -> Option<Geometry> {
+    let at = data.readings.normalised_at?;
+    (at.theta_i_deg != 0.0 || at.theta_v_deg != 0.0).then_some(at)
+}
+
+/// Incidence and view as instruments write them: 45/0.
+pub(super) fn place(at: &Geometry) -> String {
+    format!("{}/{}", at.theta_i_deg, at.theta_v_deg)
+}
+
+/// Where the comparison is normalised, in words.
+pub(super) fn where_normalised(data: &ReportData) -> String {
+    elsewhere(data).map_or_else(
+        || "normal light and view".to_owned(),
+        |at| format!("incidence {}° and view {}°", at.theta_i_deg, at.theta_v_deg),
+    )
+}
+
+/// A value and its standard error to the two leading digits of the error: 0.931 ± 0.012. An error of 0, or of a rounding, is
+/// none: a dash; a value that is no number is a dash.
 pub(super) fn with_error(value: f64, se: f64) -> String {
-    if !value.is_finite() || !se.is_finite() || se <= 0.0 {
-        return format!("{} ± {}", rounded(value), rounded(se));
+    const ROUNDING: f64 = 1e-12;
+    if !value.is_finite() {
+        return "–".to_owned();
+    }
+    if !se.is_finite() || se <= ROUNDING * value.abs() {
+        return format!("{} ± –", rounded(value));
     }
     let decimals = (1.0 - se.log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.decimals$} ± {se:.decimals$}")

@@ -8,6 +8,7 @@ mod view;
 
 pub use view::{Interaction, PixelSamples, view_cell};
 
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use crate::shading::BrightnessFactor;
 use std::f64::consts::PI;
@@ -58,11 +59,17 @@ impl Rig {
 
 /// Unit vector towards the light.
 pub fn omega_in(theta_i_deg: f64, azimuth_deg: f64) -> Vec3 {
-    omega_out(-theta_i_deg, azimuth_deg)
+    let side = if fault::active(Fault::LightMirrored) { 1.0 } else { -1.0 };
+    omega_out(side * theta_i_deg, azimuth_deg)
 }
 
 /// Unit vector towards the viewer at a signed view angle.
 pub fn omega_out(theta_v_deg: f64, azimuth_deg: f64) -> Vec3 {
+    let azimuth_deg = if fault::active(Fault::AzimuthIgnored) {
+        0.0
+    } else {
+        azimuth_deg
+    };
     let (sin_theta, cos_theta) = theta_v_deg.to_radians().sin_cos();
     let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
     Vec3::new(sin_theta * cos_azimuth, sin_theta * sin_azimuth, cos_theta)

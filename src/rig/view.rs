@@ -1,5 +1,6 @@
 use super::RigError;
-use crate::cloth::{Cloth, Hit};
+use crate::cloth::{Cloth, Hit, YarnId};
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
 
@@ -41,7 +42,16 @@ impl Interaction {
     /// part of its radiance factor, so any direction of the sphere may come back.
     pub fn light(&self, cloth: &Cloth, omega_in: &Vec3) -> Option<Vec3> {
         let hit = &self.hit;
-        (!cloth.occluded(&hit.position, omega_in, hit.yarn)).then(|| hit.frame.to_local(omega_in))
+        let skip = if fault::active(Fault::OwnShadow) {
+            // A yarn that no cloth has.
+            YarnId {
+                index: u32::MAX,
+                ..hit.yarn
+            }
+        } else {
+            hit.yarn
+        };
+        (!cloth.occluded(&hit.position, omega_in, skip)).then(|| hit.frame.to_local(omega_in))
     }
 }
 
@@ -61,10 +71,11 @@ pub fn view_cell(
     let [cell_x, cell_y] = cloth.cell_mm();
     let away = omega_out * (2.0 * cloth.top_mm() / omega_out.z.abs());
     let inwards = -omega_out;
+    let jitter = if fault::active(Fault::HalfPixel) { 0.5 } else { 1.0 };
     for row in 0..samples.along_y {
         for column in 0..samples.along_x {
-            let x = (column as f64 + rng.random::<f64>()) / samples.along_x as f64 * cell_x;
-            let y = (row as f64 + rng.random::<f64>()) / samples.along_y as f64 * cell_y;
+            let x = (column as f64 + jitter * rng.random::<f64>()) / samples.along_x as f64 * cell_x;
+            let y = (row as f64 + jitter * rng.random::<f64>()) / samples.along_y as f64 * cell_y;
             let origin = Vec3::new(x, y, 0.0) + away;
             visit(cloth.intersect(&origin, &inwards).map(|hit| Interaction {
                 omega_out_local: above_horizon(hit.frame.to_local(omega_out)),

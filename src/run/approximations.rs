@@ -1,5 +1,5 @@
 use super::curves::{channels, directions};
-use super::report::{NORMAL, report_geometries};
+use super::readings::{NORMAL, report_geometries};
 use super::{Plan, Progress, RunError, Simulator, SpectralCurves};
 use crate::compare::{Channel, Channels};
 use crate::geometry::Vec3;
@@ -79,7 +79,10 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Vec<Approximati
         .map(|reading| Classical::new(reading.beta, plan.specular))
         .transpose()?;
     let mut rows = Vec::new();
-    for &theta_i_deg in plan.rig.incidences_deg() {
+    let mut incidences: Vec<f64> = geometries.iter().map(|g| g.theta_i_deg).collect();
+    incidences.sort_by(f64::total_cmp);
+    incidences.dedup();
+    for theta_i_deg in incidences {
         let views: Vec<usize> = (0..geometries.len()).filter(|&g| of(g) == theta_i_deg).collect();
         let share = 1.0 / views.len() as f64;
         for channel in Channel::ALL {

@@ -1,3 +1,4 @@
+use super::cloth_keys;
 use crate::artefact::ArtefactError;
 use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Weave};
 use crate::colour::{ColourError, ColourSystem, Convention};
@@ -11,10 +12,10 @@ use crate::rig::{PixelSamples, Rig, RigError};
 use crate::run::ShardError;
 use crate::sample::{Sample, SampleError};
 use crate::shading::{Distribution, FibreGloss, ShadingError, Specular};
-use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_spectrum, tables};
+use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, plausibility, read_spectrum, tables};
 use crate::study::{
-    CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable,
-    SpecularSection, Study, StudyError, SurfaceChoice, TraceSection, WeaveChoice,
+    CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable, Origin,
+    Place, SpecularSection, Study, StudyError, SurfaceChoice, TraceSection, WeaveChoice,
 };
 use crate::transport::{Cylinder, Roulette};
 use crate::weave::WeaveDraft;
@@ -27,7 +28,7 @@ use std::path::{Path, PathBuf};
 pub enum RunError {
     #[error(transparent)]
     Study(#[from] StudyError),
-    #[error("`{section}.dye`: {source}; nor is there a file of that name")]
+    #[error("`{section}.dye`: {source}; nor is there a file of that name in the study's folder")]
     Dye {
         section: &'static str,
         source: SpectrumError,
@@ -43,6 +44,9 @@ pub enum RunError {
         "`cloth.backing`: {source}; take \"none\", \"black\", \"white\" or the path of a spectrum of reflectances from 0 to 1"
     )]
     Backing { source: SpectrumError },
+    /// What is wrong with the value of a key, and where the key stands.
+    #[error("{place}: {source}")]
+    At { place: Box<Place>, source: Box<RunError> },
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
     #[error(transparent)]
@@ -94,6 +98,38 @@ pub enum RunError {
     NoNormal,
 }
 
+impl RunError {
+    /// What is wrong, wherever the key stands.
+    pub fn unplaced(&self) -> &Self {
+        match self {
+            Self::At { source, .. } => source.unplaced(),
+            other => other,
+        }
+    }
+
+    /// With the place of the key that the error is of, if it has one there.
+    fn at(self, origin: &Origin) -> Self {
+        let key = match &self {
+            Self::Dye { section, .. } => format!("{section}.dye"),
+            Self::Table { section, key, .. } => format!("{section}.{key}"),
+            Self::Backing { .. } => "cloth.backing".into(),
+            Self::Draft(_) => "weave.draft".into(),
+            Self::Sample(_) => "measured.sample".into(),
+            Self::Colour(ColourError::File { kind, .. }) => format!("colour.{kind}"),
+            Self::Colour(ColourError::NoSuch(unknown)) => format!("colour.{}", unknown.kind),
+            Self::Study(error) => return Self::Study(origin.locate(error.clone())),
+            _ => return self,
+        };
+        match origin.place(&key) {
+            Some(place) => Self::At {
+                place,
+                source: Box::new(self),
+            },
+            None => self,
+        }
+    }
+}
+
 /// A study with every value checked, every file read and every name resolved: what a run takes.
 pub struct Plan {
     pub study: Study,
@@ -124,6 +160,11 @@ pub struct Plan {
 
 impl Plan {
     pub fn new(study: Study) -> Result<Self, RunError> {
+        let origin = study.origin.clone();
+        Self::resolve(study).map_err(|error| error.at(&origin))
+    }
+
+    fn resolve(study: Study) -> Result<Self, RunError> {
         study.validate()?;
         let grid = WavelengthGrid::new(study.spectrum.wavelengths())?;
         let spectra = MediumSpectra::read("medium", &study.medium, &grid)?;
@@ -139,6 +180,10 @@ impl Plan {
         inputs.extend(colour_files(&convention));
         let weave = weave(&study, &mut inputs)?;
         let cloth_spec = cloth_spec(&study, weave);
+        let cloth = Cloth::new(&cloth_spec).map_err(|error| match cloth_keys::at_key(&study, &cloth_spec, &error) {
+            Some(error) => RunError::Study(error),
+            None => RunError::Cloth(error),
+        })?;
         let backing = backing(&study.cloth.backing, &grid, &mut inputs)?;
         let trace = &study.trace;
         let effort = |paths| Effort::new(study.seed, trace.batches as usize, paths);
@@ -152,7 +197,7 @@ impl Plan {
             bssrdf_effort: effort(trace.paths_bssrdf)?,
             factor_grid: factor_grid(trace)?,
             direct_effort: effort(trace.paths_direct)?,
-            cloth: Cloth::new(&cloth_spec)?,
+            cloth,
             cloth_spec,
             backing,
             specular: Specular::new(
@@ -175,6 +220,33 @@ impl Plan {
         })
     }
 
+    /// What makes numbers of this study doubtful whatever is done with them, for the user.
+    pub fn notices(&self) -> Vec<String> {
+        unit_notices(&self.study)
+    }
+
+    /// What makes the colours of model and sample doubtful, for the user; what needs no colour needs none of it.
+    ///
+    /// # Errors
+    /// Wavelengths of the study or of the sample that carry no colour.
+    pub fn colour_notices(&self) -> Result<Vec<String>, RunError> {
+        self.colour.require()?;
+        let mut notices = Vec::new();
+        if let Some(why) = self.colour.doubt() {
+            notices.push(format!(
+                "the model's colours are doubtful: the study has few wavelengths for them: {why}; take [spectrum] 390..730 nm in \
+                 steps of 10 nm"
+            ));
+        }
+        if let Some(why) = self.sample.colour_doubt(self.colour.convention())? {
+            notices.push(format!(
+                "the measured colours, and those of the classical shading made from them, are doubtful: {why}; measure 400..700 nm \
+                 in steps of 20 nm at most"
+            ));
+        }
+        Ok(notices)
+    }
+
     /// Axes of the stored BSSRDF of a yarn.
     pub fn bssrdf_grid(&self, yarn: &Yarn) -> Result<BssrdfGrid, RunError> {
         let z_cells = self.study.trace.z_cells as usize;
@@ -193,7 +265,7 @@ impl Plan {
     }
 
     /// What becomes of light that the yarns reflect, if it goes on: a mirror sends it on but for a study of fibres.
-    pub(super) fn surface(&self, goes_on: bool) -> YarnSurface {
+    pub(crate) fn surface(&self, goes_on: bool) -> YarnSurface {
         match self.fibres {
             _ if !goes_on => YarnSurface::Lost,
             Some(gloss) => YarnSurface::Fibres(gloss),
@@ -339,6 +411,10 @@ impl MediumSpectra {
 
 /// The medium of a study's section on a grid.
 fn medium_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) -> Result<Medium, RunError> {
+    Ok(Medium::new(&spec_of(of, spectra, grid)?, grid)?)
+}
+
+fn spec_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) -> Result<MediumSpec, RunError> {
     let kappa = spectra
         .dye
         .on(grid)?
@@ -346,7 +422,7 @@ fn medium_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) 
         .iter()
         .map(|share| of.kappa_peak * share)
         .collect();
-    let spec = MediumSpec {
+    Ok(MediumSpec {
         host_index: spectra.host_index,
         particle_index: spectra.particle_index,
         particle_kappa: Spectrum::Table {
@@ -360,19 +436,35 @@ fn medium_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) 
             InterferenceChoice::Independent => Interference::Independent,
             InterferenceChoice::PercusYevick => Interference::PercusYevick,
         },
+    })
+}
+
+/// What the warp's medium of a study is made of, on a grid.
+pub(crate) fn medium_spec(study: &Study, grid: &WavelengthGrid) -> Result<MediumSpec, RunError> {
+    spec_of(&study.medium, MediumSpectra::read("medium", &study.medium, grid)?, grid)
+}
+
+/// Numbers of a study's media that look like those of another unit.
+pub fn unit_notices(study: &Study) -> Vec<String> {
+    let weft = study.weft.medium(&study.medium);
+    let mut media = vec![("medium", study.medium.particle_diameter_nm)];
+    if weft.particle_diameter_nm != study.medium.particle_diameter_nm {
+        media.push(("weft", weft.particle_diameter_nm));
+    }
+    let told = |(section, diameter_nm)| {
+        let doubt = plausibility::particle_diameter(diameter_nm)?;
+        Some(format!("`{section}.particle_diameter_nm`: {doubt}"))
     };
-    Ok(Medium::new(&spec, grid)?)
+    media.into_iter().filter_map(told).collect()
 }
 
 /// The medium of a valid study alone.
 pub fn medium(study: &Study) -> Result<Medium, RunError> {
     study.validate()?;
     let grid = WavelengthGrid::new(study.spectrum.wavelengths())?;
-    medium_of(
-        &study.medium,
-        MediumSpectra::read("medium", &study.medium, &grid)?,
-        &grid,
-    )
+    MediumSpectra::read("medium", &study.medium, &grid)
+        .and_then(|spectra| medium_of(&study.medium, spectra, &grid))
+        .map_err(|error| error.at(&study.origin))
 }
 
 /// A number of a medium, or the table from the file that it names; `key` is without the section.
@@ -500,14 +592,13 @@ fn cloth_spec(study: &Study, weave: Weave) -> ClothSpec {
     let weft_radius_mm = study.weft.radius_mm.unwrap_or(warp_radius_mm);
     let mean_diameter_mm = warp_radius_mm + weft_radius_mm;
     let weft_spacing_diameters = study.weft.spacing_diameters.unwrap_or(cloth.spacing_diameters);
-    ClothSpec {
+    let centre_line = match (cloth.centre_line, cloth.sinusoid_amplitude_mm) {
+        (CentreLineChoice::Sinusoid, Some(amplitude_mm)) => CentreLineKind::Sinusoid { amplitude_mm },
+        _ => CentreLineKind::Peirce,
+    };
+    let spec = ClothSpec {
         weave,
-        centre_line: match cloth.centre_line {
-            CentreLineChoice::Peirce => CentreLineKind::Peirce,
-            CentreLineChoice::Sinusoid => CentreLineKind::Sinusoid {
-                amplitude_mm: cloth.sinusoid_amplitude_mm.unwrap_or(0.5 * mean_diameter_mm),
-            },
-        },
+        centre_line,
         warp_radius_mm,
         weft_radius_mm,
         warp_spacing_mm: mean_diameter_mm * cloth.spacing_diameters,
@@ -520,5 +611,9 @@ fn cloth_spec(study: &Study, weave: Weave) -> ClothSpec {
         spacing_variation: cloth.spacing_variation,
         repeats: [cloth.repeats as usize; 2],
         variation_seed: cloth.variation_seed,
+    };
+    match (cloth.centre_line, cloth.sinusoid_amplitude_mm) {
+        (CentreLineChoice::Sinusoid, None) => spec.with_least_amplitude(),
+        _ => spec,
     }
 }

@@ -1,9 +1,11 @@
 use super::curves::{channels, directions};
 use super::light::{LightBetween, lit_views};
-use super::{CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows};
+use super::readings::{NORMAL, count, incidences_of, readings};
+use super::{CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows, grazing_notice};
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{
-    Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, Inputs, Propagation, Source, model_colour_ratios,
+    self, Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, HueComparison, Inputs, Propagation,
+    Source, model_colour_ratios, reference,
 };
 use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
@@ -14,21 +16,6 @@ use crate::yarn::{DirectBatch, DirectTracer, Effort};
 /// Least effort of a point of the sweep: batches, and the share of the study's paths.
 const SWEEP_BATCHES: usize = 4;
 const SWEEP_PATHS_SHARE: u64 = 20;
-
-/// Normal incidence and view, where ratios and the normalisation are taken.
-pub(super) const NORMAL: Geometry = Geometry {
-    theta_i_deg: 0.0,
-    theta_v_deg: 0.0,
-};
-
-/// What a report measures: the rig's geometries, and normal incidence and view where the rig lacks it.
-pub fn report_geometries(plan: &Plan) -> Vec<Geometry> {
-    let mut geometries = plan.geometries();
-    if !geometries.contains(&NORMAL) {
-        geometries.push(NORMAL);
-    }
-    geometries
-}
 
 fn normal_place(geometries: &[Geometry]) -> usize {
     geometries.iter().position(|g| *g == NORMAL).unwrap_or(geometries.len())
@@ -43,11 +30,14 @@ pub fn report(
     progress: Progress,
 ) -> Result<ReportData, RunError> {
     let mut notices = notices;
+    notices.extend(grazing_notice(plan)?);
+    notices.extend(plan.notices());
+    notices.extend(plan.colour_notices()?);
     let mut fallbacks = Vec::new();
     let curves = &simulation.curves;
     let normal = normal_place(&curves.geometries);
-    if normal == plan.geometries().len() {
-        fallbacks.push("the rig has no normal incidence and view; it was added for normalisation and Table 1".into());
+    if normal + 1 == curves.geometries.len() && curves.geometries.len() > 1 {
+        fallbacks.push("the rig has no normal incidence and view; it was added for the model's rows of Table 1".into());
     }
     if plan
         .different_yarns()
@@ -78,11 +68,15 @@ pub fn report(
                 .into(),
         );
     }
-    let measured = readings(plan, &curves.geometries, &mut notices)?;
+    let measured = readings(plan, &curves.geometries)?;
     let model = curves.channels(&plan.colour, true);
     let white = channels(&plan.colour, &vec![1.0; plan.grid.len()]);
-    let comparison = match measured[normal] {
-        Some(reading) => {
+    let propagation = Propagation::new(&model, &measured)?;
+    let mut count = count(plan, &curves.geometries, &measured, propagation.model_mean());
+    notices.extend(plan.sample.notices().iter().cloned());
+    let mut hue = None;
+    let comparison = match reference(&curves.geometries, &measured).and_then(|place| Some((place, measured[place]?))) {
+        Some((place, reading)) => {
             let shading = Classical::new(reading.beta, plan.specular)?;
             let classical: Vec<Channels> = curves
                 .geometries
@@ -92,24 +86,49 @@ pub fn report(
                     shading.brightness_factor(&omega_in, &omega_out, &white)
                 })
                 .collect();
-            Some(Comparison::new(&Inputs {
+            hue = compare::hue(&propagation, place, &plan.colour);
+            let comparison = Comparison::new(&Inputs {
                 geometries: &curves.geometries,
                 model_batches: &model,
                 classical: &classical,
                 measured: &measured,
-            })?)
+            })?;
+            count.normalised_at = comparison.normalisation.map(|_| comparison.reference);
+            fallbacks.extend(of_reference(&comparison));
+            Some(comparison)
         }
-        None => {
+        None if plan.sample.published_ratios().is_some() => {
             fallbacks.push(format!(
-                "sample {} has no reading at normal incidence and view: no classical model, no normalisation",
+                "sample {} has published ratios and no readings: no classical model, no normalisation, no verdict",
                 plan.sample.name()
             ));
             None
         }
+        None => {
+            fallbacks.push(format!(
+                "sample {} has no reading at any geometry of the study's [rig]: nothing is compared; its incidences are {} degrees: \
+                 set `rig.incidences_deg` to these, or `rig.geometries = \"auto\"` with the built-in angles",
+                plan.sample.name(),
+                incidences_of(&plan.sample)
+            ));
+            None
+        }
     };
+    if let Some(words) = hue.as_ref().and_then(another_cloth) {
+        notices.push(words);
+    }
+    if let Some(comparison) = &comparison
+        && comparison.rmse_ratios.iter().any(|ratio| ratio.too_few_paths)
+    {
+        notices.push(
+            "too few paths: the model's luminance is known to no better than a quarter of its value, so verdicts are withheld; take more \
+             --paths"
+                .into(),
+        );
+    }
     let sweep = sweep(plan, simulation.effort.batches, &mut notices, progress)?;
     let orders = orders(plan, simulation.effort.batches)?;
-    let mut table1 = table1(&plan.colour, curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
+    let mut table1 = table1(plan, curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
     for (name, ratios) in [Table1Name::ModelDirect, Table1Name::ModelAllBounces]
         .into_iter()
         .zip(&orders)
@@ -152,11 +171,13 @@ pub fn report(
         table1,
         conventions,
         energy: energy_rows(plan.grid.nm(), &plan.incident, &simulation.ledgers),
-        normalisation: comparison.map(|c| c.normalisation),
+        normalisation: comparison.and_then(|c| c.normalisation),
         rmse: comparison.map(|c| c.rmse.clone()).unwrap_or_default(),
         peaks: comparison.map(|c| c.peaks.clone()).unwrap_or_default(),
         rmse_ratios: comparison.map(|c| c.rmse_ratios.clone()).unwrap_or_default(),
         sample: sample_note(plan, &mut fallbacks),
+        readings: count,
+        hue,
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").into(),
             command,
@@ -195,27 +216,34 @@ fn model_curves(
     Ok(points)
 }
 
-fn readings(plan: &Plan, geometries: &[Geometry], notices: &mut Vec<String>) -> Result<Vec<Option<Reading>>, RunError> {
-    let mut readings = Vec::with_capacity(geometries.len());
-    for g in geometries {
-        readings.push(
-            plan.sample
-                .reading(g.theta_i_deg, g.theta_v_deg, plan.colour.convention())?,
+/// What is not as the preprint's normalisation, in words; none for normal incidence and view.
+fn of_reference(comparison: &Comparison) -> Option<String> {
+    let Geometry {
+        theta_i_deg,
+        theta_v_deg,
+    } = comparison.reference;
+    if comparison.normalisation.is_none() {
+        return Some(
+            "the model or the sample has no light where it would be normalised: values are compared as they are".into(),
         );
     }
-    let interpolated = readings.iter().flatten().filter(|r| r.interpolated).count();
-    if interpolated > 0 {
-        notices.push(format!(
-            "{interpolated} measured values are interpolated linearly between neighbouring geometries of the sample"
-        ));
-    }
-    let missing = readings.iter().filter(|r| r.is_none()).count();
-    if missing > 0 {
-        notices.push(format!(
-            "the sample has no reading at {missing} of the rig's geometries"
-        ));
-    }
-    Ok(readings)
+    (comparison.reference != NORMAL).then(|| {
+        format!(
+            "the sample has no reading with light at normal incidence and view: normalisation, the classical shading and the sample's row \
+             of Table 1 are of the nearest one, incidence {theta_i_deg} and view {theta_v_deg} degrees"
+        )
+    })
+}
+
+/// That model and sample plainly differ in hue.
+fn another_cloth(hue: &HueComparison) -> Option<String> {
+    hue.plainly_different.then(|| {
+        format!(
+            "model and sample plainly differ in colour: hue {:.0} against {:.0} degrees, chroma {:.0} against {:.0} (CIE Lab at equal \
+             luminance): the verdicts compare two different cloths; give the study the sample's dye (`medium.dye`)",
+            hue.model_hue_deg, hue.measured_hue_deg, hue.model_chroma.value, hue.measured_chroma.value
+        )
+    })
 }
 
 fn sample_note(plan: &Plan, fallbacks: &mut Vec<String>) -> SampleNote {
@@ -244,6 +272,7 @@ fn sample_note(plan: &Plan, fallbacks: &mut Vec<String>) -> SampleNote {
         kind: kind.into(),
         source: of.source.clone(),
         licence: of.licence.clone(),
+        uncertainty_stated: plan.sample.uncertainty() != Uncertainty::NotStated,
         caption: format!("{uncertainty}{colour}"),
     }
 }
@@ -371,7 +400,7 @@ fn sweep(
 }
 
 fn table1(
-    colour: &ColourSystem,
+    plan: &Plan,
     curves: &SpectralCurves,
     normal: usize,
     sweep: &[ColourRatios],
@@ -379,20 +408,45 @@ fn table1(
     notices: &mut Vec<String>,
 ) -> Result<Vec<Table1Row>, RunError> {
     let published = published_ratios()?;
-    let model = diffuse_ratios(colour, curves, normal)?;
-    let mut rows = vec![Table1Row::bare(
-        Table1Name::Published,
-        published.real.blue_over_red[0],
-        published.real.green_over_red[0],
-    )];
+    // The preprint's own ratios say nothing of a cloth of another dye.
+    let preprint = plan.study.medium.dye == MediumSection::default().dye;
+    let model = diffuse_ratios(&plan.colour, curves, normal)?;
+    let mut rows = Vec::new();
+    if preprint {
+        rows.push(Table1Row::bare(
+            Table1Name::Published,
+            published.real.blue_over_red[0],
+            published.real.green_over_red[0],
+        ));
+    }
     let measured = comparison.and_then(|c| c.colour_ratios.iter().find(|r| r.source == Source::Measured));
     if let Some(measured) = measured {
-        rows.push(Table1Row::estimated(Table1Name::Measured, &measured.ratios));
+        let mut row = Table1Row::estimated(Table1Name::Measured, &measured.ratios);
+        if plan.sample.uncertainty() == Uncertainty::NotStated {
+            (row.blue_over_red_se, row.green_over_red_se) = (None, None);
+        }
+        rows.push(row);
+        notices.extend(no_ratio("the sample", &measured.ratios));
     }
     rows.push(Table1Row::estimated(Table1Name::Model, &model));
-    let mut low = model;
-    let mut high = model;
-    for ratios in sweep {
+    notices.extend(no_ratio("the model", &model));
+    let with_ratio: Vec<&ColourRatios> = std::iter::once(&model)
+        .chain(sweep)
+        .filter(|r| !r.red_is_zero)
+        .collect();
+    let without = sweep.len() + 1 - with_ratio.len();
+    if without > 0 {
+        notices.push(format!(
+            "{without} of the {} media of the sweep and the study have no ratio to red, which is as good as 0: they are not in the model's \
+             range",
+            sweep.len() + 1
+        ));
+    }
+    let Some(first) = with_ratio.first() else {
+        return Ok(rows);
+    };
+    let (mut low, mut high) = (**first, **first);
+    for ratios in with_ratio {
         for (end, better) in [(&mut low, -1.0), (&mut high, 1.0)] {
             if better * (ratios.blue_over_red.value - end.blue_over_red.value) > 0.0 {
                 end.blue_over_red = ratios.blue_over_red;
@@ -421,9 +475,21 @@ fn table1(
         } else {
             "does not cover"
         };
-        notices.push(format!(
-            "the sweep's {name} range {low:.4}..{high:.4} {covered} the preprint's {from}..{to}"
-        ));
+        if preprint {
+            notices.push(format!(
+                "the sweep's {name} range {low:.4}..{high:.4} {covered} the preprint's {from}..{to}"
+            ));
+        }
     }
     Ok(rows)
+}
+
+/// Why there is no ratio to red.
+fn no_ratio(whose: &str, ratios: &ColourRatios) -> Option<String> {
+    ratios.red_is_zero.then(|| {
+        format!(
+            "red of {whose}, {:.2e} with standard error {:.1e}, is as good as 0 beside its other components: no ratio to it is shown",
+            ratios.red.value, ratios.red.se
+        )
+    })
 }

@@ -125,7 +125,7 @@ fn arrays(simulator: &Simulator, batches: usize) -> [ArrayInfo; 3] {
         array(
             "cloth",
             "fraction of the incident flux",
-            "batch, incidence, wavelength, (reflected, through yarns, through gaps, absorbed, games)",
+            "batch, incidence, wavelength, (reflected, through yarns, through gaps, absorbed, reflection dropped, bounces cut, games)",
             &[
                 batches,
                 simulator.cloth_shape()[0],

@@ -1,5 +1,5 @@
 use super::curves::{channels, gloss};
-use super::report::NORMAL;
+use super::readings::NORMAL;
 use super::{Plan, Precision, RunError, Tolerance, Watched};
 use crate::compare::Geometry;
 use crate::transport::Estimate;
@@ -8,7 +8,7 @@ use crate::transport::Estimate;
 ///
 /// Monte Carlo errors alone: more batches lower no others. Where a report normalises the model, what is watched are the
 /// values it shows, whose errors hold that of the coefficient; the point that normalisation makes exact is watched as
-/// it was before.
+/// it was before. Where the wavelengths carry no colour, the mean over them stands for the luminance.
 pub struct Watch<'a> {
     plan: &'a Plan,
     precision: Precision,
@@ -35,18 +35,24 @@ impl<'a> Watch<'a> {
             of: Watched::Curves,
         });
         let normal = geometries.iter().position(|g| *g == NORMAL);
-        if precision.of == Watched::Ratios && normal.is_none() {
-            return Err(RunError::NoNormal);
+        if precision.of == Watched::Ratios {
+            if normal.is_none() {
+                return Err(RunError::NoNormal);
+            }
+            plan.colour.require()?;
         }
-        let reading = plan
-            .sample
-            .reading(NORMAL.theta_i_deg, NORMAL.theta_v_deg, plan.colour.convention())?;
+        let reading = match normalised {
+            true => plan
+                .sample
+                .reading(NORMAL.theta_i_deg, NORMAL.theta_v_deg, plan.colour.convention())?,
+            false => None,
+        };
         Ok(Self {
             plan,
             precision,
             gloss: geometries.iter().map(|g| gloss(plan, *g)).collect(),
             normal,
-            measured: reading.filter(|_| normalised).map(|reading| reading.beta[3]),
+            measured: reading.map(|reading| reading.beta[3]),
             batches: Vec::new(),
         })
     }
@@ -62,7 +68,10 @@ impl<'a> Watch<'a> {
             Watched::Curves => std::iter::zip(diffuse, &self.gloss)
                 .map(|(beta, gloss)| {
                     let total: Vec<f64> = beta.iter().map(|b| b + gloss).collect();
-                    colour.xyz(&total).y
+                    match colour.require() {
+                        Ok(()) => colour.xyz(&total).y,
+                        Err(_) => total.iter().sum::<f64>() / total.len() as f64,
+                    }
                 })
                 .collect(),
             // A trace of the yarn alone watches the ledger.

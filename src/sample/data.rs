@@ -2,8 +2,10 @@ use std::collections::HashMap;
 
 use serde::Serialize;
 
-use super::SampleError;
+use super::columns::{Columns, Values};
 use super::goniometric::GoniometricData;
+use super::nominal::{AnglesRead, nominal};
+use super::{SampleError, plausibility};
 use crate::spectrum::{CsvError, CsvTable, WavelengthGrid};
 
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +22,9 @@ pub(super) struct Curves {
     has_se: bool,
     /// Ascending by incidence, then by view; a geometry occurs once.
     rows: Vec<Row>,
+    angles: AnglesRead,
+    /// What the reader assumed, left out or found implausible.
+    notices: Vec<String>,
 }
 
 /// What the values of a row stand for.
@@ -50,6 +55,14 @@ impl Curves {
 
     pub(super) fn has_se(&self) -> bool {
         self.has_se
+    }
+
+    pub(super) fn angles(&self) -> AnglesRead {
+        self.angles
+    }
+
+    pub(super) fn notices(&self) -> &[String] {
+        &self.notices
     }
 }
 
@@ -83,75 +96,74 @@ pub(super) fn parse(path: &str, bytes: &[u8], relative_se: Option<f64>) -> Resul
     if table.column("row").is_some() {
         return Ok(Data::Ratios(ratios(path, bytes)?));
     }
-    let layout = Layout::of(&table)?;
-    let has_se = !layout.se.is_empty();
-    let mut entries = Vec::with_capacity(table.len());
+    let columns = Columns::of(&table)?;
+    let relative_se = relative_se.unwrap_or(0.0);
+    let mut notices = Vec::new();
+    if !columns.renamed.is_empty() {
+        notices.push(renamed(&columns, &table));
+    }
+    let mut lines = Vec::with_capacity(table.len());
     for row in 0..table.len() {
-        entries.push(layout.entry(&table, row, relative_se.unwrap_or(0.0))?);
+        lines.push(Line::read(&table, &columns, row, relative_se)?);
     }
-    let (axis, mut rows) = match layout.wavelength {
-        Some(column) => spectral(&table, column, entries)?,
-        None => (Axis::Rgb, rgb(&table, entries)?),
+    let largest = lines
+        .iter()
+        .flat_map(|line| &line.beta)
+        .fold(0.0, |a: f64, b| a.max(*b));
+    let mut negative = Vec::new();
+    for (row, line) in lines.iter().enumerate() {
+        negative.extend(line.negative(&table, &columns, row, largest)?);
+    }
+    if let Some(lowest) = negative.iter().copied().reduce(f64::min) {
+        notices.push(format!(
+            "{} values of the sample are below 0, the lowest {lowest}: taken as they are, as noise about 0",
+            negative.len()
+        ));
+    }
+    let has_se = columns.has_se();
+    let (axis, rows) = match &columns.values {
+        Values::Rgb { .. } => (Axis::Rgb, each_once(&table, lines)?),
+        Values::Wide { beta, .. } => wide(&table, beta, lines, &mut notices)?,
+        Values::Long { wavelength, .. } => spectral(&table, *wavelength, lines, &mut notices)?,
     };
-    rows.sort_by(|a, b| {
-        a.theta_i_deg
-            .total_cmp(&b.theta_i_deg)
-            .then(a.theta_v_deg.total_cmp(&b.theta_v_deg))
-    });
-    Ok(Data::Curves(Curves { axis, has_se, rows }))
+    notices.extend(plausibility::per_cent_for_fractions(
+        "beta",
+        rows.iter().flat_map(|row| row.beta.iter().copied()),
+    ));
+    notices.extend(plausibility::radians_for_degrees(
+        rows.iter().flat_map(|row| [row.theta_i_deg, row.theta_v_deg]),
+    ));
+    let (rows, angles) = nominal(rows);
+    Ok(Data::Curves(Curves {
+        axis,
+        has_se,
+        rows,
+        angles,
+        notices,
+    }))
 }
 
-/// Columns of the two layouts of readings.
-struct Layout {
-    theta_i: usize,
-    theta_v: usize,
-    wavelength: Option<usize>,
-    beta: Vec<usize>,
-    /// As many as `beta`, or none.
-    se: Vec<usize>,
+/// What columns of other names were taken for, and what that means for the sign of a view.
+fn renamed(columns: &Columns, table: &CsvTable) -> String {
+    let unsigned = (0..table.len()).all(|row| !table.text(row, columns.theta_v).starts_with('-'));
+    let sign = match unsigned {
+        true => "; no view is below 0, so all are on the mirror side of the normal",
+        false => "; views below 0 are on the light's side of the normal",
+    };
+    format!(
+        "columns of the sample were read as these: {}{sign}",
+        columns.renamed.join(", ")
+    )
 }
 
-impl Layout {
-    fn of(table: &CsvTable) -> Result<Self, Box<CsvError>> {
-        let spectral = table.column("wavelength_nm").is_some();
-        let (values, errors): (&[&str], &[&str]) = if spectral {
-            (&["wavelength_nm", "beta"], &["beta_se"])
-        } else {
-            (
-                &["beta_r", "beta_g", "beta_b"],
-                &["beta_r_se", "beta_g_se", "beta_b_se"],
-            )
-        };
-        let required = [&["theta_i_deg", "theta_v_deg"], values].concat();
-        let remedy = "columns are theta_i_deg,theta_v_deg,wavelength_nm,beta[,beta_se] for spectral data and \
-                      theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b[,beta_r_se,beta_g_se,beta_b_se] for RGB";
-        let find = |name: &&str| {
-            table.column(name).ok_or_else(|| {
-                table.header_error(&format!("a column {name}"), &table.columns().join(","), Some(remedy))
-            })
-        };
-        let columns = required.iter().map(find).collect::<Result<Vec<_>, _>>()?;
-        let se = if errors.iter().any(|name| table.column(name).is_some()) {
-            errors.iter().map(find).collect::<Result<Vec<_>, _>>()?
-        } else {
-            Vec::new()
-        };
-        let known = [&required, errors].concat();
-        if let Some(unknown) = table.columns().iter().find(|c| !known.contains(&c.as_str())) {
-            let expected = format!("only the columns {}", known.join(","));
-            return Err(table.header_error(&expected, &format!("'{unknown}'"), Some("remove or rename it")));
-        }
-        Ok(Self {
-            theta_i: columns[0],
-            theta_v: columns[1],
-            wavelength: spectral.then(|| columns[2]),
-            beta: columns[if spectral { 3 } else { 2 }..].to_vec(),
-            se,
-        })
-    }
+/// Views and incidences that an encoder may read back below 0 where 0 was meant.
+const BELOW_NORMAL_DEG: f64 = -super::nominal::ANGLE_TOLERANCE_DEG;
 
-    /// One line: a whole reading of RGB data, one wavelength of spectral data.
-    fn entry(&self, table: &CsvTable, row: usize, relative_se: f64) -> Result<Row, Box<CsvError>> {
+/// One line of readings: a whole reading, or one wavelength of the long layout.
+type Line = Row;
+
+impl Line {
+    fn read(table: &CsvTable, columns: &Columns, row: usize, relative_se: f64) -> Result<Self, Box<CsvError>> {
         let checked = |column: usize, expected: &str, remedy: Option<&str>, allowed: &dyn Fn(f64) -> bool| {
             let value = table.number(row, column, expected)?;
             if allowed(value) {
@@ -161,46 +173,69 @@ impl Layout {
             }
         };
         let theta_i_deg = checked(
-            self.theta_i,
+            columns.theta_i,
             "an incidence in degrees from the normal, 0 or more and below 90",
             Some("the light's side is given by the sign of theta_v_deg"),
-            &|v| (0.0..90.0).contains(&v),
+            &|v| (BELOW_NORMAL_DEG..90.0).contains(&v),
         )?;
         let theta_v_deg = checked(
-            self.theta_v,
+            columns.theta_v,
             "a signed view angle in degrees, above -90 and below 90",
             Some("reflection only: the view lies above the cloth"),
             &|v| v.abs() < 90.0,
         )?;
-        let beta = self
-            .beta
-            .iter()
-            .map(|&column| {
-                checked(
-                    column,
-                    "a brightness factor, dimensionless, 0 or more",
-                    Some("a colour outside the RGB space has to be given as spectral data"),
-                    &|v| v >= 0.0,
-                )
-            })
+        let (beta, se) = columns.places();
+        let beta = beta
+            .into_iter()
+            .map(|column| table.number(row, column, BETA))
             .collect::<Result<Vec<_>, _>>()?;
-        let se = if self.se.is_empty() {
-            beta.iter().map(|b| b * relative_se).collect()
+        let se = if se.is_empty() {
+            beta.iter().map(|b| b.abs() * relative_se).collect()
         } else {
             let expected = "a standard error in the unit of beta, dimensionless, 0 or more";
-            self.se
-                .iter()
-                .map(|&column| checked(column, expected, None, &|v| v >= 0.0))
+            se.into_iter()
+                .map(|column| checked(column, expected, None, &|v| v >= 0.0))
                 .collect::<Result<Vec<_>, _>>()?
         };
-        Ok(Row {
+        Ok(Self {
             theta_i_deg,
             theta_v_deg,
             beta,
             se,
         })
     }
+
+    /// Values below 0 as a dark reading's noise leaves them: no farther than three of their standard errors, or than 2 % of the
+    /// table's largest value.
+    fn negative(
+        &self,
+        table: &CsvTable,
+        columns: &Columns,
+        row: usize,
+        largest: f64,
+    ) -> Result<Vec<f64>, Box<CsvError>> {
+        const NOISE: f64 = 0.02;
+        const SIGMAS: f64 = 3.0;
+        let values = std::iter::zip(&self.beta, &self.se).enumerate();
+        let below = values.filter(|(_, (beta, _))| **beta < 0.0);
+        below
+            .map(|(k, (&beta, se))| match -beta <= (NOISE * largest).max(SIGMAS * se) {
+                true => Ok(beta),
+                false => Err(table.cell_error(
+                    row,
+                    columns.places().0[k],
+                    BETA,
+                    Some(
+                        "noise about 0 is read to 2 % of the largest value or three standard errors; a colour outside the RGB \
+                         space has to be given as spectral data",
+                    ),
+                )),
+            })
+            .collect()
+    }
 }
+
+const BETA: &str = "a brightness factor, dimensionless, 0 or more";
 
 /// Bits of the two angles; adding 0 makes one zero of the two.
 fn key(row: &Row) -> [u64; 2] {
@@ -211,7 +246,7 @@ fn geometry_text(row: &Row) -> String {
     format!("theta_i_deg {}, theta_v_deg {}", row.theta_i_deg, row.theta_v_deg)
 }
 
-fn rgb(table: &CsvTable, entries: Vec<Row>) -> Result<Vec<Row>, Box<CsvError>> {
+fn each_once(table: &CsvTable, entries: Vec<Row>) -> Result<Vec<Row>, Box<CsvError>> {
     let mut seen = HashMap::new();
     for (index, entry) in entries.iter().enumerate() {
         if let Some(first) = seen.insert(key(entry), index) {
@@ -226,6 +261,46 @@ fn twice(table: &CsvTable, row: usize, first: usize, what: &str) -> Box<CsvError
     table.row_error(row, "every geometry once", &found, Some("keep one, or their mean"))
 }
 
+/// Common to the observers' and the illuminants' tables.
+const COLOUR_NM: std::ops::RangeInclusive<f64> = 360.0..=780.0;
+
+/// Tells how many wavelengths lie beyond the CIE's tables.
+fn beyond_colour(count: usize, notices: &mut Vec<String>) {
+    if count > 0 {
+        notices.push(format!(
+            "{count} values of the sample are outside 360..780 nm, where the CIE tables are: left out"
+        ));
+    }
+}
+
+/// Readings with all their wavelengths on one line.
+fn wide(
+    table: &CsvTable,
+    columns: &[(f64, usize)],
+    lines: Vec<Line>,
+    notices: &mut Vec<String>,
+) -> Result<(Axis, Vec<Row>), SampleError> {
+    let kept = |k: &usize| COLOUR_NM.contains(&columns[*k].0);
+    let places: Vec<usize> = (0..columns.len()).filter(kept).collect();
+    if places.len() < 2 {
+        let found = format!("{} nm to {} nm", columns[0].0, columns[columns.len() - 1].0);
+        let expected = "two or more columns named by wavelengths from 360 to 780 nm";
+        return Err(table.header_error(expected, &found, None).into());
+    }
+    beyond_colour((columns.len() - places.len()) * lines.len(), notices);
+    let nm = places.iter().map(|&k| columns[k].0).collect();
+    let take = |values: &[f64]| places.iter().map(|&k| values[k]).collect();
+    let rows = lines
+        .into_iter()
+        .map(|line| Row {
+            beta: take(&line.beta),
+            se: take(&line.se),
+            ..line
+        })
+        .collect();
+    Ok((Axis::Wavelengths(WavelengthGrid::new(nm)?), each_once(table, rows)?))
+}
+
 /// One geometry of a spectral table while its lines are gathered.
 struct Gathered {
     first_row: usize,
@@ -233,18 +308,27 @@ struct Gathered {
     points: Vec<(f64, usize)>,
 }
 
-fn spectral(table: &CsvTable, column: usize, entries: Vec<Row>) -> Result<(Axis, Vec<Row>), SampleError> {
-    /// Common to the observers' and the illuminants' tables.
-    const COLOUR_NM: std::ops::RangeInclusive<f64> = 360.0..=780.0;
+/// Readings with one wavelength a line.
+fn spectral(
+    table: &CsvTable,
+    column: usize,
+    entries: Vec<Line>,
+    notices: &mut Vec<String>,
+) -> Result<(Axis, Vec<Row>), SampleError> {
+    const NM: std::ops::RangeInclusive<f64> = 100.0..=3000.0;
     let mut found: HashMap<[u64; 2], usize> = HashMap::new();
     let mut geometries: Vec<Gathered> = Vec::new();
+    let mut beyond = 0;
     for (row, entry) in entries.iter().enumerate() {
         let expected = "a wavelength in nm, 360..780, where the CIE tables are";
         let nm = table.number(row, column, expected)?;
+        if !NM.contains(&nm) {
+            let remedy = plausibility::wavelength_unit(nm).unwrap_or("leave the row out");
+            return Err(table.cell_error(row, column, expected, Some(remedy)).into());
+        }
         if !COLOUR_NM.contains(&nm) {
-            return Err(table
-                .cell_error(row, column, expected, Some("leave the row out"))
-                .into());
+            beyond += 1;
+            continue;
         }
         let index = *found.entry(key(entry)).or_insert_with(|| {
             geometries.push(Gathered {
@@ -255,6 +339,11 @@ fn spectral(table: &CsvTable, column: usize, entries: Vec<Row>) -> Result<(Axis,
         });
         geometries[index].points.push((nm, row));
     }
+    if geometries.is_empty() {
+        let expected = "wavelengths in nm within 360..780, where the CIE tables are";
+        return Err(table.row_error(0, expected, "none", None).into());
+    }
+    beyond_colour(beyond, notices);
     for geometry in &mut geometries {
         geometry.points.sort_by(|a, b| a.0.total_cmp(&b.0));
         if let Some(pair) = geometry.points.windows(2).find(|pair| pair[0].0 == pair[1].0) {
@@ -267,7 +356,8 @@ fn spectral(table: &CsvTable, column: usize, entries: Vec<Row>) -> Result<(Axis,
         .iter()
         .find(|g| !g.points.iter().map(|point| point.0).eq(nm.iter().copied()))
     {
-        let expected = format!("the {} wavelengths of {}", nm.len(), geometry_text(&entries[0]));
+        let first = &entries[geometries[0].first_row];
+        let expected = format!("the {} wavelengths of {}", nm.len(), geometry_text(first));
         let text = format!(
             "{} others at {}",
             other.points.len(),

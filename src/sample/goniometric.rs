@@ -1,5 +1,5 @@
-use super::SampleError;
 use super::data::{Axis, Row};
+use super::{SampleError, plausibility};
 use crate::formats::{Channels, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
 use crate::spectrum::WavelengthGrid;
 
@@ -14,8 +14,11 @@ pub(super) struct GoniometricData {
     /// Channels that the axis takes.
     channels: std::ops::Range<usize>,
     relative_se: f64,
-    /// Of the file's own incidences with the views every 5 degrees that it has a value at.
+    /// Of the file's own incidences with the views every 5 degrees that it has a value at; of readings that need not form a
+    /// grid, those in the plane.
     rows: Vec<Row>,
+    outside_plane: usize,
+    notices: Vec<String>,
 }
 
 impl GoniometricData {
@@ -51,14 +54,58 @@ impl GoniometricData {
             channels,
             relative_se,
             rows: Vec::new(),
+            outside_plane: 0,
+            notices: data.warnings.clone(),
         };
         let incidences = component.incidences_deg().into_iter().filter(|theta_i| *theta_i < 90.0);
         let views = || (-17..=17).map(|i| 5.0 * f64::from(i));
-        let pairs = incidences.flat_map(|theta_i| views().map(move |theta_v| (theta_i, theta_v)));
+        let pairs: Vec<(f64, f64)> = match &this.component.table {
+            Table::Scattered(table) => {
+                let readings = table.readings().into_iter();
+                let mut pairs: Vec<_> = readings.filter_map(|(angles, _)| in_plane(&angles)).collect();
+                pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+                pairs.dedup();
+                pairs
+            }
+            _ => incidences
+                .flat_map(|theta_i| views().map(move |theta_v| (theta_i, theta_v)))
+                .collect(),
+        };
         this.rows = pairs
+            .into_iter()
             .filter_map(|(theta_i, theta_v)| Some(this.at(theta_i, theta_v)?.0))
             .collect();
+        if let Table::Scattered(table) = &this.component.table {
+            this.outside_plane = table.readings().len().saturating_sub(this.rows.len());
+        }
+        let beta = this.rows.iter().flat_map(|row| row.beta.iter().copied());
+        this.notices.extend(plausibility::per_cent_for_fractions("beta", beta));
+        let angles = this.rows.iter().flat_map(|row| [row.theta_i_deg, row.theta_v_deg]);
+        this.notices.extend(plausibility::radians_for_degrees(angles));
         Ok(this)
+    }
+
+    /// Whether readings need not form a grid.
+    pub(super) fn is_scattered(&self) -> bool {
+        matches!(self.component.table, Table::Scattered(_))
+    }
+
+    pub(super) fn notices(&self) -> &[String] {
+        &self.notices
+    }
+
+    pub(super) fn outside_plane(&self) -> usize {
+        self.outside_plane
+    }
+
+    /// Directional-hemispherical reflectance at an incidence in degrees, a value a channel of the axis, and the share of the
+    /// projected hemisphere that the file has values on.
+    pub(super) fn hemispherical(&self, theta_i_deg: f64) -> Option<(Vec<f64>, f64)> {
+        let azimuth_rad = std::f64::consts::PI;
+        let integrated = self
+            .component
+            .directional_hemispherical(theta_i_deg.to_radians(), azimuth_rad)?;
+        Some((integrated.values[self.channels.clone()].to_vec(), integrated.measured))
     }
 
     /// Whether the file states standard errors.
@@ -94,4 +141,25 @@ impl GoniometricData {
         };
         Some((row, evaluation.placement != Placement::OnNode))
     }
+}
+
+/// Incidence and signed view in degrees of a reading's angles in radians, if it lies in the plane of incidence along x; light and view
+/// below 90 degrees.
+fn in_plane(angles: &[f64]) -> Option<(f64, f64)> {
+    let degrees = |angle: f64| (angle.to_degrees() * 1e9).round() / 1e9;
+    let near = |turn: f64| turn.sin().abs() < 1e-9;
+    let (theta_i, theta_v) = match *angles {
+        [theta_i, theta_v] => (degrees(theta_i), degrees(theta_v)),
+        [theta_i, phi_i, theta_o, phi_o] => {
+            // Seen from the normal, or lit from it, any azimuth is in some plane of incidence; the table's own is along x.
+            if theta_o > 1e-9 && !near(phi_o - if theta_i > 1e-9 { phi_i } else { 0.0 }) {
+                return None;
+            }
+            let towards_light = (phi_o - phi_i).cos() > 0.0;
+            let sign = if towards_light { -1.0 } else { 1.0 };
+            (degrees(theta_i), sign * degrees(theta_o) + 0.0)
+        }
+        _ => return None,
+    };
+    (theta_i < 90.0 && theta_v.abs() < 90.0).then_some((theta_i, theta_v))
 }

@@ -1,13 +1,17 @@
 //! Measured samples: brightness factors β of a cloth over incidence and view, spectral or RGB, with their
 //! uncertainty and where they come from.
 
+mod columns;
 mod data;
 mod goniometric;
 mod load;
+mod nominal;
+pub mod plausibility;
 mod reading;
 
 pub use data::{PublishedRatios, RatioRange};
 pub use load::published_ratios;
+pub use nominal::{ANGLE_TOLERANCE_DEG, AnglesRead};
 pub use reading::Reading;
 
 use serde::{Deserialize, Serialize};
@@ -111,6 +115,58 @@ impl Sample {
             beta: &row.beta,
             se: &row.se,
         })
+    }
+
+    /// What the reader assumed, left out or found implausible: units, signs, columns by other names. For a report to show.
+    pub fn notices(&self) -> &[String] {
+        match &self.data {
+            Data::Curves(curves) => curves.notices(),
+            Data::Goniometric(data) => data.notices(),
+            Data::Ratios(_) => &[],
+        }
+    }
+
+    /// Whether values or angles look like those of another unit, of which [`Sample::notices`] tell.
+    pub fn implausible(&self) -> bool {
+        let beta = self.rows().iter().flat_map(|row| row.beta.iter().copied());
+        let angles = self.geometries().flat_map(|(theta_i, theta_v)| [theta_i, theta_v]);
+        plausibility::per_cent_for_fractions("beta", beta).is_some()
+            || plausibility::radians_for_degrees(angles).is_some()
+    }
+
+    /// What was made of angles that an encoder read back.
+    pub fn angles_read(&self) -> AnglesRead {
+        match &self.data {
+            Data::Curves(curves) => curves.angles(),
+            Data::Goniometric(_) | Data::Ratios(_) => AnglesRead::default(),
+        }
+    }
+
+    /// Readings of the file that a comparison in the plane of incidence along x cannot use, lying outside it.
+    pub fn readings_outside_plane(&self) -> usize {
+        match &self.data {
+            Data::Goniometric(data) => data.outside_plane(),
+            Data::Curves(_) | Data::Ratios(_) => 0,
+        }
+    }
+
+    /// Whether the file is a table over the hemisphere, which has values between its nodes by its format.
+    pub fn is_table(&self) -> bool {
+        matches!(&self.data, Data::Goniometric(data) if !data.is_scattered())
+    }
+
+    /// Whether there is a value at a geometry, read or interpolated.
+    pub fn covers(&self, theta_i_deg: f64, theta_v_deg: f64) -> bool {
+        self.at(theta_i_deg, theta_v_deg).is_some()
+    }
+
+    /// Directional-hemispherical reflectance at an incidence in degrees, a value a channel of [`Sample::raw`], and the share of the
+    /// projected hemisphere that the file has values on. `None` of files of the plane of incidence alone.
+    pub fn hemispherical(&self, theta_i_deg: f64) -> Option<(Vec<f64>, f64)> {
+        match &self.data {
+            Data::Goniometric(data) => data.hemispherical(theta_i_deg),
+            Data::Curves(_) | Data::Ratios(_) => None,
+        }
     }
 
     /// Wavelengths in nm that the values of [`Sample::raw`] stand at; `None` for RGB and XYZ.

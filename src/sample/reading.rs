@@ -1,5 +1,5 @@
 use super::data::{Axis, Curves, Data, Row};
-use super::{Sample, SampleError};
+use super::{ANGLE_TOLERANCE_DEG, Sample, SampleError};
 use crate::colour::{ColourSystem, Convention, LinearRgb, Xyz};
 use crate::spectrum::{Samples, WavelengthGrid};
 
@@ -37,7 +37,7 @@ impl Reading {
 
 impl Sample {
     /// β at a geometry: as measured, or linear in theta_v_deg between the nearest views of the same incidence
-    /// (flagged), or `None` outside what was measured and for samples of published ratios. Goniometric files interpolate in
+    /// (flagged), or that of the last view or the nearest incidence within [`ANGLE_TOLERANCE_DEG`], or `None` outside what was measured and for samples of published ratios. Goniometric files interpolate in
     /// their own parameters, over incidences too.
     ///
     /// Spectral data go through [`ColourSystem`], y being Y of XYZ; wavelengths err independently. RGB data are taken as
@@ -75,6 +75,7 @@ impl Sample {
             }
             Axis::Wavelengths(grid) => {
                 let system = ColourSystem::new(grid, convention.clone())?;
+                system.require()?;
                 let xyz = system.xyz(&row.beta);
                 let [r, g, b] = system.linear_rgb(xyz).0;
                 ([r, g, b, xyz.y], system.channel_weights())
@@ -108,6 +109,22 @@ impl Sample {
         Ok(())
     }
 
+    /// Why the colours of these spectral data are doubtful, or missing, under a convention.
+    pub fn colour_doubt(&self, convention: &Convention) -> Result<Option<String>, SampleError> {
+        let axis = match &self.data {
+            Data::Curves(curves) => curves.axis(),
+            Data::Goniometric(data) => data.axis(),
+            Data::Ratios(_) => return Ok(None),
+        };
+        match axis {
+            Axis::Wavelengths(grid) => {
+                let system = ColourSystem::new(grid, convention.clone())?;
+                Ok(system.doubt().map(str::to_owned))
+            }
+            Axis::Rgb | Axis::Xyz => Ok(None),
+        }
+    }
+
     /// β(λ) at a geometry, on the wavelengths of the sample, interpolated as [`Sample::reading`] does; `None` for RGB data.
     pub fn spectrum(&self, theta_i_deg: f64, theta_v_deg: f64) -> Result<Option<Samples>, SampleError> {
         match self.at(theta_i_deg, theta_v_deg) {
@@ -126,7 +143,7 @@ impl Sample {
     }
 
     /// Values at a geometry, what they stand for, and whether they are interpolated.
-    fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(&Axis, Row, bool)> {
+    pub(super) fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(&Axis, Row, bool)> {
         match &self.data {
             Data::Curves(curves) => {
                 let (row, interpolated) = curves.at(theta_i_deg, theta_v_deg)?;
@@ -146,16 +163,23 @@ impl Curves {
     fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(Row, bool)> {
         /// Angles in degrees that differ by less are the same angle, written differently.
         const SAME_DEG: f64 = 1e-9;
-        let rows = || {
-            self.rows()
-                .iter()
-                .filter(|row| (row.theta_i_deg - theta_i_deg).abs() < SAME_DEG)
-        };
+        let off = |row: &&Row| (row.theta_i_deg - theta_i_deg).abs();
+        let nearest = self.rows().iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        if off(&nearest) > ANGLE_TOLERANCE_DEG {
+            return None;
+        }
+        let rows = || self.rows().iter().filter(|row| row.theta_i_deg == nearest.theta_i_deg);
         if let Some(row) = rows().find(|row| (row.theta_v_deg - theta_v_deg).abs() < SAME_DEG) {
             return Some((row.clone(), false));
         }
-        let below = rows().rfind(|row| row.theta_v_deg < theta_v_deg)?;
-        let above = rows().find(|row| row.theta_v_deg > theta_v_deg)?;
+        let below = rows().rfind(|row| row.theta_v_deg < theta_v_deg);
+        let above = rows().find(|row| row.theta_v_deg > theta_v_deg);
+        let (Some(below), Some(above)) = (below, above) else {
+            // Beyond the last view there is nothing to interpolate with.
+            let end = below.or(above)?;
+            let within = (end.theta_v_deg - theta_v_deg).abs() <= ANGLE_TOLERANCE_DEG;
+            return within.then(|| (end.clone(), false));
+        };
         let t = (theta_v_deg - below.theta_v_deg) / (above.theta_v_deg - below.theta_v_deg);
         let pairs = |a: &[f64], b: &[f64], f: fn(f64, f64, f64) -> f64| {
             a.iter().zip(b).map(|(a, b)| f(*a, *b, t)).collect::<Vec<_>>()

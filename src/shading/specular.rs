@@ -1,4 +1,5 @@
 use super::{Brdf, ShadingError};
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use crate::optics::fresnel;
 use std::f64::consts::PI;
@@ -76,6 +77,7 @@ impl Specular {
         let d = self.distribution.density(n_h, self.roughness);
         let g = (2.0 * n_h * n_v.min(n_l) / v_h).min(1.0);
         let f = fresnel::reflectance(v_h.min(1.0), self.index);
-        Brdf(self.weight * f * d * g / (4.0 * n_l * n_v))
+        let twice = if fault::active(Fault::GlossDoubled) { 2.0 } else { 1.0 };
+        Brdf(twice * (self.weight * f * d * g / (4.0 * n_l * n_v)))
     }
 }

@@ -72,7 +72,7 @@ pub struct SpectraFile {
     pub spectra: Vec<(String, Samples)>,
     /// What was read in another way than its plain meaning.
     pub notices: Vec<String>,
-    /// Key words of CGATS text that state an illuminant, an observer or a geometry, with their values.
+    /// Key words of CGATS text that state an illuminant or an observer, with their values.
     pub stated: Vec<(String, String)>,
 }
 

@@ -36,6 +36,17 @@ impl Spectrum {
         }
     }
 
+    /// First and last wavelength in nm that it is defined at; `None` where that is everywhere.
+    pub fn range_nm(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Table { samples, .. } => {
+                let nm = samples.grid().nm();
+                Some([nm[0], nm[nm.len() - 1]])
+            }
+        }
+    }
+
     /// Values on a grid. Exact at a table's own wavelengths.
     pub fn on(&self, grid: &WavelengthGrid) -> Result<Samples, SpectrumError> {
         let values = grid.nm().iter().map(|&w| self.at(w)).collect::<Result<Vec<_>, _>>()?;

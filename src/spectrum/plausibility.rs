@@ -87,21 +87,14 @@ pub(super) fn remedy_outside(value: f64, bounds: &impl RangeBounds<f64>) -> Opti
         .then_some("values in per cent have to be divided by 100, other curves by their highest value")
 }
 
-/// What a particle's diameter in nm looks like that is in another unit, or is none of a particle that scatters light: below 1 nm and
-/// above 100 µm.
+/// What a particle's diameter in nm looks like that is in micrometres: below 1 nm, which no particle that scatters light has.
 pub fn particle_diameter(diameter_nm: f64) -> Option<String> {
-    const MICROMETRES: std::ops::Range<f64> = 0.0..1.0;
-    const LARGEST_NM: f64 = 1e5;
-    if MICROMETRES.contains(&diameter_nm) {
-        let in_nm = rounded(1000.0 * diameter_nm);
-        return Some(format!(
+    (diameter_nm < 1.0).then(|| {
+        format!(
             "a particle of {diameter_nm} nm is smaller than a molecule and scatters next to nothing; if that is in micrometres, \
-             write {in_nm}"
-        ));
-    }
-    (diameter_nm > LARGEST_NM).then(|| {
-        let in_nm = rounded(diameter_nm / 1000.0);
-        format!("a particle of {diameter_nm} nm is thicker than a fibre; if that is in picometres, write {in_nm}")
+             write {}",
+            rounded(1000.0 * diameter_nm)
+        )
     })
 }
 

@@ -2,6 +2,7 @@
 //! from here. The keys themselves: [`super::keys`].
 
 use super::keys::SECTIONS;
+use crate::number::shown;
 
 /// A section of the file and its keys. The empty name is the top level.
 pub(super) struct Section {
@@ -28,6 +29,8 @@ pub(super) enum Kind {
     /// A list of at least so many numbers.
     Numbers(Range, usize),
     Integer(u64, u64),
+    /// A whole number that the third divides.
+    Multiple(u64, u64, u64),
     /// A whole number, or this word in quotes for any number.
     IntegerOr(u64, u64, &'static str),
     Flag,
@@ -56,11 +59,12 @@ impl Range {
 
 impl std::fmt::Display for Range {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (low, high) = (shown(self.low), shown(self.high));
         match (self.low_included, self.high_included) {
-            (true, true) => write!(f, "{} to {}", self.low, self.high),
-            (true, false) => write!(f, "{} to below {}", self.low, self.high),
-            (false, true) => write!(f, "above {} to {}", self.low, self.high),
-            (false, false) => write!(f, "above {} to below {}", self.low, self.high),
+            (true, true) => write!(f, "{low} to {high}"),
+            (true, false) => write!(f, "{low} to below {high}"),
+            (false, true) => write!(f, "above {low} to {high}"),
+            (false, false) => write!(f, "above {low} to below {high}"),
         }
     }
 }
@@ -80,6 +84,7 @@ impl Field {
             ),
             Kind::Numbers(range, at_least) => format!("a list of {at_least} or more numbers, each {range}{unit}"),
             Kind::Integer(low, high) => format!("a whole number, {low} to {high}{unit}"),
+            Kind::Multiple(low, high, of) => format!("a whole number, a multiple of {of} from {low} to {high}{unit}"),
             Kind::IntegerOr(low, high, word) => format!("a whole number, {low} to {high}, or \"{word}\""),
             Kind::Flag => "true or false".into(),
             Kind::Choice(choices) => format!("one of {}", quoted(choices)),

@@ -41,13 +41,16 @@ const fn optional(field: Field, example: &'static str) -> Field {
 const WAVELENGTH: Range = closed(100.0, 10_000.0);
 const INDEX: Range = closed(1.0, 4.0);
 const KAPPA: Range = closed(0.0, 10.0);
-const DIAMETER: Range = above(0.0, 100_000.0);
+/// Size parameters within those of [`crate::optics::mie`] at every wavelength and host index.
+const DIAMETER: Range = closed(0.01, 100_000.0);
 const VIEW: Range = Range {
     low: -90.0,
     low_included: false,
     high: 90.0,
     high_included: false,
 };
+/// Squares of lengths and their quotients neither overflow nor vanish.
+const LENGTH: Range = closed(1e-6, 100.0);
 const SPACING: Range = above(1.0, 100.0);
 /// Equal spheres cannot fill more than π/√18 = 0.7405 of a volume.
 const FRACTION: Range = Range {
@@ -57,6 +60,7 @@ const FRACTION: Range = Range {
     high_included: false,
 };
 const CELLS: Kind = Kind::Integer(1, 1000);
+const FOURS: Kind = Kind::Multiple(4, 1000, 4);
 const PATHS: Kind = Kind::Integer(2, 1_000_000_000_000);
 
 const HOST_INDEX: Field = field(
@@ -107,12 +111,7 @@ const INTERFERENCE: Field = field(
     Kind::Choice(&["independent", "percus-yevick"]),
     "Particles scatter as if alone, or with the Percus-Yevick structure factor of hard spheres.",
 );
-const RADIUS_MM: Field = field(
-    "radius_mm",
-    "mm",
-    Kind::Number(above(0.0, 100.0)),
-    "Radius of the yarn.",
-);
+const RADIUS_MM: Field = field("radius_mm", "mm", Kind::Number(LENGTH), "Radius of the yarn.");
 
 pub(super) const SECTIONS: &[Section] = &[
     Section {
@@ -279,13 +278,13 @@ pub(super) const SECTIONS: &[Section] = &[
             field(
                 "azimuth_cells",
                 "",
-                CELLS,
+                FOURS,
                 "Incident directions: cells in azimuth about that normal.",
             ),
             field(
                 "exit_azimuth_cells",
                 "",
-                CELLS,
+                FOURS,
                 "Cells around the yarn where light leaves.",
             ),
             field(
@@ -294,17 +293,12 @@ pub(super) const SECTIONS: &[Section] = &[
                 CELLS,
                 "Exit directions: cells in the zenith angle.",
             ),
-            field(
-                "exit_phi_cells",
-                "",
-                CELLS,
-                "Exit directions: cells in azimuth, a multiple of 4.",
-            ),
+            field("exit_phi_cells", "", FOURS, "Exit directions: cells in azimuth."),
             field(
                 "bssrdf_azimuth_cells",
                 "",
-                CELLS,
-                "Cells around the yarn of the stored BSSRDF, whose table has two more axes; a multiple of 4.",
+                FOURS,
+                "Cells around the yarn of the stored BSSRDF, whose table has two more axes.",
             ),
             field(
                 "bssrdf_exit_theta_cells",
@@ -312,8 +306,18 @@ pub(super) const SECTIONS: &[Section] = &[
                 CELLS,
                 "Its exit directions: cells in the zenith angle.",
             ),
-            field("bssrdf_exit_phi_cells", "", CELLS, "A multiple of 4."),
-            field("z_cells", "", CELLS, "Cells along the yarn where light leaves."),
+            field(
+                "bssrdf_exit_phi_cells",
+                "",
+                FOURS,
+                "Its exit directions: cells in azimuth.",
+            ),
+            field(
+                "z_cells",
+                "",
+                Kind::Multiple(2, 1000, 2),
+                "Cells along the yarn where light leaves.",
+            ),
             field(
                 "tilts",
                 "",
@@ -360,16 +364,17 @@ pub(super) const SECTIONS: &[Section] = &[
                 field(
                     "sinusoid_amplitude_mm",
                     "mm",
-                    Kind::Number(above(0.0, 100.0)),
-                    "Amplitude of the sinusoid; by default yarns touch where they cross.",
+                    Kind::Number(LENGTH),
+                    "Amplitude of the sinusoid; by default the smallest, in steps of 2 % of that at which yarns touch where they \
+                     cross, at which they do not overlap.",
                 ),
                 "0.15",
             ),
             field(
                 "segments_around",
                 "",
-                Kind::Integer(8, 1024),
-                "Facets around a yarn, a multiple of 4.",
+                Kind::Multiple(8, 1024, 4),
+                "Facets around a yarn.",
             ),
             field(
                 "segments_along",
@@ -498,6 +503,13 @@ pub(super) const SECTIONS: &[Section] = &[
         name: "rig",
         meaning: "The virtual goniophotometer.",
         fields: &[
+            field(
+                "geometries",
+                "",
+                Kind::Choice(&["auto", "rig"]),
+                "What a report measures: \"auto\" the sample's own geometries, unless the four keys below differ from these values; \
+                 \"rig\" those of the four keys. Left out beside one of the four, it is \"rig\".",
+            ),
             field(
                 "incidences_deg",
                 "degrees",

@@ -7,7 +7,9 @@ mod commented;
 mod error;
 mod fields;
 mod keys;
+mod origin;
 mod parse;
+mod paths;
 mod sections;
 mod validate;
 
@@ -16,10 +18,11 @@ use serde::{Deserialize, Serialize};
 use crate::spectrum::Samples;
 
 pub use error::{Place, StudyError};
+pub use origin::Origin;
 pub use sections::{
     Bounces, CentreLineChoice, CheckSection, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
-    InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection, ShadeWith,
-    SpectrumSection, SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeaveChoice, WeaveSection,
+    GeometryChoice, InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection,
+    ShadeWith, SpectrumSection, SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeaveChoice, WeaveSection,
     WeftSection, YarnSection,
 };
 
@@ -43,6 +46,8 @@ pub struct Study {
     pub measured: MeasuredSection,
     pub sweep: SweepSection,
     pub check: CheckSection,
+    #[serde(skip)]
+    pub origin: Origin,
 }
 
 impl Default for Study {
@@ -62,6 +67,7 @@ impl Default for Study {
             measured: Default::default(),
             sweep: Default::default(),
             check: Default::default(),
+            origin: Default::default(),
         }
     }
 }
@@ -81,7 +87,7 @@ impl Study {
     /// # Errors
     /// The first value that does not fit: key, expected range with unit, found, remedy.
     pub fn validate(&self) -> Result<(), StudyError> {
-        validate::study(self)
+        validate::study(self).map_err(|error| self.origin.locate(error))
     }
 
     /// Checks the values of the file at `path`, which a key of `[medium]` or `[weft]` names in place of a number, against the

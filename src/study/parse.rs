@@ -1,10 +1,11 @@
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
 use super::fields::{self, Field, Kind, Section};
 use super::keys::SECTIONS;
-use super::{Place, Study, StudyError};
+use super::{GeometryChoice, Origin, Place, RigSection, Study, StudyError};
 
 type Spanned<T> = toml::Spanned<T>;
 
@@ -48,10 +49,15 @@ pub(super) fn study(text: &str, file: &str) -> Result<Study, StudyError> {
     if let Some((_, first)) = faults.into_iter().min_by_key(|(offset, _)| *offset) {
         return Err(first);
     }
-    let study: Study = toml::from_str(text).map_err(|e| source.syntax(&e))?;
-    study
-        .validate()
-        .map_err(|error| located(&source, document.get_ref(), error))?;
+    let mut study: Study = toml::from_str(text).map_err(|e| source.syntax(&e))?;
+    study.origin = origin(&source, document.get_ref());
+    let rig = document.get_ref().get("rig").and_then(|rig| rig.get_ref().as_table());
+    if rig.is_some_and(|rig| {
+        !rig.contains_key("geometries") && RigSection::ANGLES.iter().any(|key| rig.contains_key(*key))
+    }) {
+        study.rig.geometries = GeometryChoice::Rig;
+    }
+    study.validate()?;
     Ok(study)
 }
 
@@ -114,7 +120,7 @@ fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<De
         Kind::Numbers(..) => found
             .as_array()
             .is_some_and(|list| list.iter().all(|v| is_number(v.get_ref()))),
-        Kind::Integer(low, high) => is_whole(low, high),
+        Kind::Integer(low, high) | Kind::Multiple(low, high, _) => is_whole(low, high),
         Kind::IntegerOr(low, high, word) => is_whole(low, high) || found.as_str() == Some(word),
         Kind::Flag => found.is_bool(),
         Kind::Text => found.is_str(),
@@ -191,31 +197,20 @@ fn closest<'w>(typed: &str, words: impl Iterator<Item = &'w str>) -> Option<&'w 
         .map(|(_, w)| w)
 }
 
-/// The error with the line of its key, if the text has that key.
-fn located(source: &Source, document: &DeTable, error: StudyError) -> StudyError {
-    let StudyError::Value {
-        place: None,
-        key,
-        expected,
-        found,
-        remedy,
-    } = error
-    else {
-        return error;
-    };
-    let span = match key.split_once('.') {
-        None => document.get(key.as_str()).map(Spanned::span),
-        Some((section, name)) => document
-            .get(section)
-            .and_then(|s| s.get_ref().as_table())
-            .and_then(|t| t.get(name))
-            .map(Spanned::span),
-    };
-    StudyError::Value {
-        place: span.map(|s| source.place(s.start)),
-        key,
-        expected,
-        found,
-        remedy,
+/// The lines of all keys that the text has.
+fn origin(source: &Source, document: &DeTable) -> Origin {
+    let mut lines = BTreeMap::new();
+    for (name, value) in document {
+        let name = name.get_ref().as_ref();
+        match value.get_ref() {
+            DeValue::Table(section) => lines.extend(section.iter().map(|(key, value)| {
+                let path = fields::path(name, key.get_ref().as_ref());
+                (path, source.place(value.span().start).line)
+            })),
+            _ => {
+                lines.insert(name.to_owned(), source.place(value.span().start).line);
+            }
+        }
     }
+    Origin::new(source.file, lines)
 }

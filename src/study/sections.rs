@@ -415,6 +415,7 @@ pub enum DistributionChoice {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RigSection {
+    pub geometries: GeometryChoice,
     pub incidences_deg: Vec<f64>,
     pub view_min_deg: f64,
     pub view_max_deg: f64,
@@ -423,7 +424,28 @@ pub struct RigSection {
     pub aperture_half_angle_deg: f64,
 }
 
+/// Whose geometries a report measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GeometryChoice {
+    /// The sample's own, unless the section's angles differ from the built-in ones.
+    Auto,
+    /// Those of the section's angles.
+    Rig,
+}
+
 impl RigSection {
+    /// Keys of the angles: a text that has one of them and not `geometries` means them.
+    pub(super) const ANGLES: [&str; 4] = ["incidences_deg", "view_min_deg", "view_max_deg", "view_step_deg"];
+
+    /// Whether a report measures the geometries of the sample.
+    pub fn takes_the_samples(&self) -> bool {
+        let built_in = Self::default();
+        self.geometries == GeometryChoice::Auto
+            && self.incidences_deg == built_in.incidences_deg
+            && self.views_deg() == built_in.views_deg()
+    }
+
     /// The signed view angles in degrees, ascending in a valid study.
     pub fn views_deg(&self) -> Vec<f64> {
         steps(self.view_min_deg, self.view_max_deg, self.view_step_deg)
@@ -433,6 +455,7 @@ impl RigSection {
 impl Default for RigSection {
     fn default() -> Self {
         Self {
+            geometries: GeometryChoice::Auto,
             incidences_deg: vec![0.0, 30.0, 60.0],
             view_min_deg: -60.0,
             view_max_deg: 70.0,

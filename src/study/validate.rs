@@ -3,6 +3,7 @@ use toml::Value;
 use super::fields::{self, Field, Kind};
 use super::keys::SECTIONS;
 use super::{CentreLineChoice, RigSection, SpectrumSection, Study, StudyError, SurfaceChoice, TraceSection};
+use crate::number::shown;
 use crate::spectrum::Samples;
 
 /// Most wavelengths or views a study may ask for.
@@ -40,7 +41,7 @@ pub(super) fn study(study: &Study) -> Result<(), StudyError> {
         return Err(value(
             "cloth.sinusoid_amplitude_mm",
             "no value while centre_line is \"peirce\"",
-            format!("{amplitude} mm"),
+            format!("{} mm", shown(amplitude)),
             "leave the amplitude out, or set centre_line = \"sinusoid\"",
         ));
     }
@@ -62,7 +63,7 @@ fn fibres(study: &Study) -> Result<(), StudyError> {
             return Err(value(
                 key,
                 format!("no value while [specular] surface is \"{surface}\""),
-                found.to_string(),
+                shown(found),
                 "leave it out, or set surface = \"fibres\"",
             ));
         }
@@ -90,6 +91,15 @@ fn value(
     }
 }
 
+/// A value of a study for a message.
+fn found_text(found: &Value) -> String {
+    match found {
+        Value::Float(number) => shown(*number),
+        Value::Array(list) => format!("[{}]", list.iter().map(found_text).collect::<Vec<_>>().join(", ")),
+        other => other.to_string(),
+    }
+}
+
 fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyError> {
     let number = |v: &Value| v.as_float().unwrap_or(f64::NAN);
     let fits = match field.kind {
@@ -106,6 +116,10 @@ fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyErro
             .as_integer()
             .and_then(|i| u64::try_from(i).ok())
             .is_some_and(|i| (low..=high).contains(&i)),
+        Kind::Multiple(low, high, of) => found
+            .as_integer()
+            .and_then(|i| u64::try_from(i).ok())
+            .is_some_and(|i| (low..=high).contains(&i) && i % of == 0),
         Kind::ChoiceOrPath(choices) => found
             .as_str()
             .is_some_and(|s| choices.contains(&s) || fields::is_path(s)),
@@ -127,7 +141,7 @@ fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyErro
     Err(value(
         fields::path(section, field.key),
         field.expected(),
-        found.to_string(),
+        found_text(found),
         remedy,
     ))
 }
@@ -160,7 +174,7 @@ pub(super) fn table_of(section: &str, key: &str, path: &str, values: &Samples) -
         None => Ok(()),
         Some((nm, found)) => fault(
             format!("each value {range} {unit}").trim_end().to_owned(),
-            format!("{found} at {nm} nm"),
+            format!("{} at {} nm", shown(*found), shown(*nm)),
             format!("it is: {}", meaning.trim_end_matches('.')),
         ),
     }
@@ -172,7 +186,7 @@ fn spectrum(spectrum: &SpectrumSection) -> Result<(), StudyError> {
             return Err(value(
                 "spectrum.wavelengths_nm",
                 "strictly ascending wavelengths in nm",
-                format!("{} after {}", pair[1], pair[0]),
+                format!("{} after {}", shown(pair[1]), shown(pair[0])),
                 "sort the list and take out duplicates",
             ));
         }
@@ -193,7 +207,7 @@ fn rig(rig: &RigSection) -> Result<(), StudyError> {
         return Err(value(
             "rig.incidences_deg",
             "different angles in degrees",
-            format!("{twice} again as entry {}", i + 1),
+            format!("{} again as entry {}", shown(*twice), i + 1),
             "take out the duplicate",
         ));
     }
@@ -207,26 +221,31 @@ fn whole_steps(name: &str, unit: &str, min: f64, max: f64, step: f64) -> Result<
         let remedy = format!("exchange it with {}", key("min"));
         return Err(value(
             key("max"),
-            format!("at least {min} {unit}"),
-            format!("{max} {unit}"),
+            format!("at least {} {unit}", shown(min)),
+            format!("{} {unit}", shown(max)),
             remedy,
         ));
     }
     let count = (max - min) / step;
     if count > MOST_STEPS {
-        let expected = format!("at least {} {unit}", (max - min) / MOST_STEPS);
+        let expected = format!("at least {} {unit}", shown((max - min) / MOST_STEPS));
         return Err(value(
             key("step"),
             expected,
-            format!("{step} {unit}"),
+            format!("{} {unit}", shown(step)),
             "take a larger step",
         ));
     }
     if (count - count.round()).abs() > 1e-6 {
         return Err(value(
             key("step"),
-            format!("a step that divides {} {unit}, from {min} to {max}", max - min),
-            format!("{step} {unit}"),
+            format!(
+                "a step that divides {} {unit}, from {} to {}",
+                shown(max - min),
+                shown(min),
+                shown(max)
+            ),
+            format!("{} {unit}", shown(step)),
             format!("change the step, or {}", key("max")),
         ));
     }
@@ -246,24 +265,6 @@ fn trace(trace: &TraceSection) -> Result<(), StudyError> {
                 format!("at least one path a batch, {}", trace.batches),
                 paths.to_string(),
                 "trace more paths, or take fewer batches",
-            ));
-        }
-    }
-    // The yarn's two mirrors map cells on cells.
-    for (key, cells, multiple) in [
-        ("azimuth_cells", trace.azimuth_cells, 4),
-        ("exit_azimuth_cells", trace.exit_azimuth_cells, 4),
-        ("exit_phi_cells", trace.exit_phi_cells, 4),
-        ("bssrdf_azimuth_cells", trace.bssrdf_azimuth_cells, 4),
-        ("bssrdf_exit_phi_cells", trace.bssrdf_exit_phi_cells, 4),
-        ("z_cells", trace.z_cells, 2),
-    ] {
-        if cells % multiple != 0 {
-            return Err(value(
-                fields::path("trace", key),
-                format!("a multiple of {multiple}"),
-                cells.to_string(),
-                "change the number",
             ));
         }
     }

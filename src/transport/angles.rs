@@ -1,4 +1,5 @@
 use super::flights::LANES;
+use crate::fault::{self, Fault};
 use crate::optics::{Phase, PhaseTable};
 
 /// Angles drawn from phase functions, one for each lane.
@@ -91,6 +92,10 @@ impl<'a> Angles<'a> {
     #[inline(always)]
     pub fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], turns: &mut Turns) {
         match self {
+            Self::Tables(columns) if fault::active(Fault::NeighbourAngle) => {
+                let wavelengths = (columns.columns.len() / columns.intervals) as f64;
+                columns.fetch(&wavelength.map(|w| (w + 1.0) % wavelengths), u, turns);
+            }
             Self::Tables(columns) => columns.fetch(wavelength, u, turns),
             Self::Functions(phases) => {
                 for lane in 0..LANES {

@@ -1,3 +1,5 @@
+use crate::fault::{self, Fault};
+
 /// A mean and its standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Estimate {
@@ -14,7 +16,7 @@ impl Estimate {
         Self {
             value,
             se: if n > 1.0 {
-                (square / (n * (n - 1.0))).sqrt()
+                errors() * (square / (n * (n - 1.0))).sqrt()
             } else {
                 0.0
             },
@@ -28,9 +30,18 @@ impl Estimate {
         let spread = (square / n - value * value).max(0.0);
         Self {
             value,
-            se: if n > 1.0 { (spread / (n - 1.0)).sqrt() } else { 0.0 },
+            se: if n > 1.0 {
+                errors() * (spread / (n - 1.0)).sqrt()
+            } else {
+                0.0
+            },
         }
     }
+}
+
+/// 1, but for the fault of halved errors.
+fn errors() -> f64 {
+    if fault::active(Fault::ErrorsHalved) { 0.5 } else { 1.0 }
 }
 
 /// Many values of which only the sums over batches are kept: Σ x and Σ x², whatever the number of batches. Batches are

@@ -1,5 +1,6 @@
 use super::{Beam, ClothBatch, ClothLedger, Detector, YarnSurface};
 use crate::cloth::{System, TubeHit, Tubes};
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
 
@@ -130,8 +131,15 @@ pub(super) struct Air<'a, D, R> {
 const REFLECTED: usize = 0;
 const THROUGH_YARNS: usize = 1;
 const THROUGH_GAPS: usize = 2;
-const ABSORBED: usize = 3;
-const GAMES: usize = 4;
+
+/// What becomes of light that goes on nowhere; the number is its place in [`ClothLedger::fractions`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kept {
+    Absorbed = 3,
+    ReflectionDropped = 4,
+    BouncesCut = 5,
+    Games = 6,
+}
 
 impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
     pub fn new(
@@ -224,7 +232,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             } else {
                 0.0
             };
-            sums[GAMES] += weight - goes_on;
+            sums[Kept::Games as usize] += weight - goes_on;
         }
         if survives {
             let arrival = Arrival {
@@ -240,7 +248,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
     pub fn reflect(&mut self, surface: &YarnSurface, arrival: &Arrival, weights: &[f64]) {
         let Arrival { hit, omega_in, past } = arrival;
         match surface {
-            YarnSurface::Lost => self.keep(weights.iter().map(|weight| [*weight, 0.0])),
+            YarnSurface::Lost => self.keep(Kept::ReflectionDropped, weights.iter().copied()),
             YarnSurface::Smooth => {
                 let direction = hit.frame.normal * (2.0 * arrival.cos_in()) - omega_in;
                 self.launch(hit.position, direction, weights, past.through_yarn());
@@ -272,7 +280,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         let reflectance = self.backing.unwrap_or_default().iter();
         for ((weight, sums), reflectance) in weights.iter_mut().zip(&mut self.sums).zip(reflectance) {
             let back = *weight * reflectance;
-            sums[ABSORBED] += *weight - back;
+            sums[Kept::Absorbed as usize] += *weight - back;
             *weight = back;
         }
         let up = if self.light_above { 1.0 } else { -1.0 };
@@ -298,8 +306,9 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         } else {
             THROUGH_YARNS
         };
+        let counted = if fault::active(Fault::ClothLoss) { 0.99 } else { 1.0 };
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
-            sums[side] += weight;
+            sums[side] += counted * weight;
         }
         if self.catching == Caught::TurnedAfterFibres && past.spread != Spread::ByFibresBefore {
             return;
@@ -313,11 +322,10 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         });
     }
 
-    /// Counts light that a yarn kept, and what its games of chance took, at every wavelength.
-    pub fn keep(&mut self, kept: impl Iterator<Item = [f64; 2]>) {
-        for (sums, [absorbed, games]) in self.sums.iter_mut().zip(kept) {
-            sums[ABSORBED] += absorbed;
-            sums[GAMES] += games;
+    /// Counts light that goes on nowhere, at every wavelength.
+    pub fn keep(&mut self, kept: Kept, weights: impl Iterator<Item = f64>) {
+        for (sums, weight) in self.sums.iter_mut().zip(weights) {
+            sums[kept as usize] += weight;
         }
     }
 

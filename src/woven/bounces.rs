@@ -1,4 +1,4 @@
-use super::air::{Air, Arrival, Caught, Landing, Past, Spread, Survival};
+use super::air::{Air, Arrival, Caught, Kept, Landing, Past, Spread, Survival};
 use super::passage::{Passage, Skin};
 use super::sights::{Places, Seen, Sight};
 use super::straight::Straight;
@@ -28,7 +28,7 @@ pub struct Bounces<'a> {
     pub backing: Option<&'a [f64]>,
     /// What becomes of light that the outer surface of a yarn reflects.
     pub surface: YarnSurface,
-    /// Yarns that light may go on to after the first it met; what would go on further counts as absorbed.
+    /// Yarns that light may go on to after the first it met; what would go on further is cut, and the ledger says how much that is.
     pub most: usize,
     pub seed: u64,
 }
@@ -153,7 +153,7 @@ impl Bounces<'_> {
                 let waiting = air.take(system);
                 for (arrival, weights) in waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths)) {
                     if arrival.past.yarns > self.most {
-                        air.keep(weights.iter().map(|w| [f64::from(*w), 0.0]));
+                        air.keep(Kept::BouncesCut, weights.iter().copied().map(f64::from));
                         continue;
                     }
                     let entry = parts.enter(skin, arrival, weights);
@@ -172,7 +172,7 @@ impl Bounces<'_> {
                         }
                         self.show((scatter, &meeting), arrival, &parts, places, views, &mut rng);
                     }
-                    self.scatter((scatter, &meeting), arrival, &mut parts, &mut air, &mut rng);
+                    self.scatter((yarn, scatter, &meeting), arrival, &mut parts, &mut air, &mut rng);
                 }
             }
             let mut landed = air.take_landed();
@@ -296,7 +296,7 @@ impl Bounces<'_> {
 
     fn scatter<D: Detector>(
         &self,
-        (scatter, meeting): (&YarnScatter, &Meeting),
+        (yarn, scatter, meeting): (&Yarn, &YarnScatter, &Meeting),
         arrival: &Arrival,
         parts: &mut Parts,
         air: &mut Air<'_, D, Xoshiro256PlusPlus>,
@@ -304,16 +304,30 @@ impl Bounces<'_> {
     ) {
         let hit = &arrival.hit;
         let numbers = [rng.random(), rng.random(), rng.random()];
+        let absorbs = || yarn.medium.mu_a_per_mm().iter().map(|mu_a| *mu_a > 0.0);
         let Some(leaving) = scatter.draw(meeting, numbers) else {
-            air.keep(parts.inside.iter().map(|inside| [*inside, 0.0]));
+            let inside = || parts.inside.iter().zip(absorbs());
+            air.keep(
+                Kept::Absorbed,
+                inside().map(|(inside, absorbs)| if absorbs { *inside } else { 0.0 }),
+            );
+            air.keep(
+                Kept::BouncesCut,
+                inside().map(|(inside, absorbs)| if absorbs { 0.0 } else { *inside }),
+            );
             return;
         };
         for ((out, inside), worth) in parts.out.iter_mut().zip(&parts.inside).zip(scatter.worth(&leaving)) {
             *out = inside * worth;
         }
-        // The draw is worth the albedo in the mean only.
-        let rows = parts.out.iter().zip(&parts.inside).zip(scatter.albedo(meeting));
-        air.keep(rows.map(|((out, inside), albedo)| [inside * (1.0 - albedo), inside * albedo - out]));
+        // The draw is worth the albedo in the mean only. A medium that absorbs nothing has an albedo of 1, whatever the noise of
+        // the table made of it.
+        let albedo = scatter.albedo(meeting).iter().zip(absorbs());
+        let kept = parts.inside.iter().zip(albedo);
+        let kept = kept.map(|(inside, (albedo, absorbs))| if absorbs { inside * (1.0 - albedo) } else { 0.0 });
+        air.keep(Kept::Absorbed, kept.clone());
+        let light = parts.inside.iter().zip(&parts.out).zip(kept);
+        air.keep(Kept::Games, light.map(|((inside, out), kept)| inside - kept - out));
         let outward = hit.frame.to_world(&leaving.normal);
         let position = self.tubes.beside(hit.yarn.system, hit.position.into(), outward.into());
         air.launch(

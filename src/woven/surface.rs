@@ -4,7 +4,7 @@ use crate::shading::FibreGloss;
 /// the smooth surface say in every case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum YarnSurface {
-    /// It counts as absorbed: the cloth of f* without gloss.
+    /// It is left out, and the ledger says how much that is: the cloth of f* without gloss.
     Lost,
     /// A mirror sends it on.
     Smooth,

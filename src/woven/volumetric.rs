@@ -1,9 +1,9 @@
-use super::air::{Air, Caught, Past, Queue, Survival};
+use super::air::{Air, Caught, Kept, Past, Queue, Survival};
 use super::{Beam, ClothBatch, Detector, YarnSurface};
 use crate::cloth::{System, Tubes};
 use crate::geometry::Vec3;
 use crate::optics::fresnel;
-use crate::transport::{Entry, Interior, Purpose, Roulette, Shape, Stream, Walk};
+use crate::transport::{Entry, Interior, Ledger, Purpose, Roulette, Shape, Stream, Walk};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::cell::RefCell;
 
@@ -135,11 +135,13 @@ impl Volumetric<'_> {
                     .launch(exit.position, exit.direction, exit.weights, Past::NONE)
             },
         );
-        let kept = traced.ledgers.iter().map(|ledger| {
-            let lost = if goes_on { 0.0 } else { ledger.reflected };
-            [ledger.absorbed + lost, ledger.games()]
-        });
-        air.borrow_mut().keep(kept);
+        let ledgers = traced.ledgers.iter();
+        let mut air = air.borrow_mut();
+        air.keep(Kept::Absorbed, ledgers.clone().map(|ledger| ledger.absorbed));
+        air.keep(Kept::Games, ledgers.clone().map(Ledger::games));
+        if !goes_on {
+            air.keep(Kept::ReflectionDropped, ledgers.map(|ledger| ledger.reflected));
+        }
     }
 }
 

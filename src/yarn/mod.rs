@@ -20,6 +20,7 @@ pub use radiance_factor::{FactorWeights, RadianceFactorGrid, WeightTally};
 pub use reabsorption::{ByLength, Change, Reabsorption, Reweighted, Support};
 pub use scatter::{Leaving, Meeting, YarnScatter, kept_by_straight_yarn};
 
+use crate::fault::{self, Fault};
 use crate::geometry::{HemisphereGrid, Sectors};
 use crate::optics::Medium;
 use crate::transport::{Coefficients, Cylinder, Interior, Roulette, TransportError, Walk};
@@ -88,10 +89,17 @@ impl Yarn {
 
     /// The same, as if this estimator were in use. Wavelengths of a dispersive host that share paths go wrong ways.
     pub fn sharing_by(&self, estimator: Estimator) -> Result<Vec<Sharing<'_>>, YarnError> {
+        let one_absorption = fault::active(Fault::OneAbsorption) && estimator == Estimator::Independent;
+        let middle = |w| one_absorption && w == self.wavelengths() / 2;
+        let flights = if fault::active(Fault::FlightsShort) && estimator == Estimator::Shared {
+            1.01
+        } else {
+            1.0
+        };
         let coefficients: Vec<Coefficients<'_>> = (0..self.wavelengths())
             .map(|w| Coefficients {
-                mu_s: self.medium.mu_s_per_mm()[w],
-                mu_a: self.medium.mu_a_per_mm()[w],
+                mu_s: self.medium.mu_s_per_mm()[w] * flights,
+                mu_a: self.medium.mu_a_per_mm()[w] * if middle(w) { 1.02 } else { 1.0 },
                 phase: self.medium.phase(w),
             })
             .collect();

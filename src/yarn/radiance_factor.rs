@@ -165,11 +165,13 @@ impl WeightTally {
         let sin_tilt = omega_in.y.abs().min(1.0);
         let axis_reversed = omega_in.y < 0.0 && !fault::active(Fault::AxisMirror);
         // Azimuth of the point as seen from the light.
-        let azimuth = -omega_in.x.atan2(omega_in.z);
+        let sign = if fault::active(Fault::AzimuthSign) { 1.0 } else { -1.0 };
+        let azimuth = sign * omega_in.x.atan2(omega_in.z);
         let tangent_reversed = azimuth < 0.0;
         // Places between the nodes, counted from one before the first.
         let (tilts, azimuths) = (self.grid.tilts(), self.grid.azimuths());
-        let steps = sin_tilt.asin() / FRAC_PI_2 * tilts as f64 + 0.5;
+        let steps =
+            sin_tilt.asin() / FRAC_PI_2 * tilts as f64 + if fault::active(Fault::TiltHalfCell) { 1.0 } else { 0.5 };
         let turns = azimuth.abs() / PI * azimuths as f64 + 0.5;
         let cos_tilt = (1.0 - sin_tilt * sin_tilt).sqrt();
         let (low, near) = (steps as usize, turns as usize);
@@ -254,6 +256,11 @@ impl FactorCells {
     #[inline(always)]
     pub fn cell(&self, light: &LightSide, normal: &Vec3, direction: &Vec3) -> usize {
         let (azimuth, mirrored) = azimuth(&self.around, light, normal);
+        let azimuth = match fault::active(Fault::ExitAzimuthShift) {
+            true => (azimuth + 1) % self.grid.azimuths(),
+            false => azimuth,
+        };
+        let mirrored = mirrored != fault::active(Fault::ExitTangentMirrored);
         let tangent = direction.x * normal.z - direction.z * normal.x;
         let local = Vec3::new(
             if mirrored { -tangent } else { tangent },

@@ -1,4 +1,5 @@
 use super::{LengthBins, YarnError};
+use crate::fault::{self, Fault};
 use crate::optics::Medium;
 use rayon::prelude::*;
 use std::iter::zip;
@@ -126,10 +127,15 @@ impl Reabsorption {
                 let expected = format!("within 0.01 of the {g:.4} that was traced");
                 return Err(refused("g", expected, format!("{g_wanted:.4} at {nm} nm")));
             }
+            let sign = if fault::active(Fault::ReabsorptionSign) {
+                -1.0
+            } else {
+                1.0
+            };
             changes.push(Change {
                 wavelength_nm: nm,
                 mu_a_per_mm: mu_a_wanted - mu_a,
-                mu_t_per_mm: mu_a_wanted - mu_a + mu_s_wanted - mu_s,
+                mu_t_per_mm: sign * (mu_a_wanted - mu_a + mu_s_wanted - mu_s),
                 scattering: if mu_s > 0.0 { mu_s_wanted / mu_s } else { 1.0 },
                 mu_s_per_mm: mu_s_wanted,
             });

@@ -111,6 +111,7 @@ pub fn data() -> ReportData {
             channel: Channel::R,
             ratio: 2.0,
             interval: Some([1.3, 2.9]),
+            too_few_paths: false,
             verdict: Verdict::Better,
         });
     }
@@ -159,8 +160,20 @@ pub fn data() -> ReportData {
             kind: "fit of a measurement".to_owned(),
             source: "W. Matusik et al. 2003, fit by A. Sztrajman et al. 2021".to_owned(),
             licence: "CC-BY-SA-4.0".to_owned(),
+            uncertainty_stated: true,
             caption: "5 % standard uncertainty; linear camera RGB of the MERL rig, not CIE.".to_owned(),
         },
+        readings: ReadingCount {
+            total: 81,
+            used: 81,
+            tolerance_deg: 0.25,
+            normalised_at: Some(Geometry {
+                theta_i_deg: 0.0,
+                theta_v_deg: 0.0,
+            }),
+            ..ReadingCount::default()
+        },
+        hue: None,
         provenance: Provenance {
             version: "0.1.0".to_owned(),
             command: vec!["specval".to_owned(), "report".to_owned()],

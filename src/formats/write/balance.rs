@@ -1,6 +1,7 @@
 //! What resampling does to hemispherical values, and how it is undone: each incidence is scaled back to the source's value.
 
 use super::super::{Component, Hemispherical};
+use super::sampling::ChannelMap;
 
 /// Factors beyond these would bend values more than they mend them: the table cannot hold what the source does.
 const FACTORS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
@@ -55,12 +56,14 @@ impl Balance {
             return vec![1.0; channels];
         }
         let most = source.values.iter().copied().fold(0.0, f64::max);
-        let pairs = source.values.iter().zip(&table.values);
-        let factor = |(&source, &table): (&f64, &f64)| {
-            // Of a channel that is black but for rounding there is nothing to keep.
-            if source <= 1e-6 * most || table <= 0.0 {
+        let factor = |channel: usize| {
+            let (value, known) = (source.values[channel], table.values[channel]);
+            let errors = source.errors[channel] + table.errors[channel];
+            // A channel that is black but for rounding, and a difference that the integration may have made.
+            if value <= 1e-6 * most || known <= 0.0 || (value - known).abs() <= errors {
                 return 1.0;
             }
+            let (source, table) = (value, known);
             let change = Change {
                 theta_i_deg,
                 source,
@@ -74,7 +77,7 @@ impl Balance {
                 1.0
             }
         };
-        pairs.map(factor).collect()
+        (0..channels).map(factor).collect()
     }
 
     pub(super) fn merge(&mut self, other: Self) {
@@ -96,12 +99,6 @@ impl Balance {
                 keep_larger(&mut self.left, change);
             }
         }
-    }
-
-    /// The largest relative change.
-    pub(super) fn largest(&self) -> f64 {
-        let changes = [self.undone, self.left].into_iter().flatten();
-        changes.map(|change| change.size()).fold(0.0, f64::max)
     }
 
     pub(super) fn notice(&self, notices: &mut Vec<String>) {
@@ -130,6 +127,16 @@ impl Balance {
                 self.uncovered
             ));
         }
+    }
+}
+
+/// A hemispherical value in the channels of a format; any error may go into each of them.
+pub(super) fn mapped(of: &Hemispherical, map: &ChannelMap) -> Hemispherical {
+    let values = map.apply(&of.values);
+    Hemispherical {
+        errors: vec![of.errors.iter().sum(); values.len()],
+        values,
+        measured: of.measured,
     }
 }
 

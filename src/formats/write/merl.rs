@@ -5,10 +5,12 @@ use rayon::prelude::*;
 use super::super::merl;
 use super::super::{Channels, Component, Format, Hemispherical, Quantity, Scatter, Side, Table};
 use super::WriteError;
-use super::balance::{Balance, hemispherical};
+use super::balance::{Balance, hemispherical, mapped};
 use super::sampling::{ChannelMap, Sampler, clipped, every};
 use crate::geometry::Vec3;
 
+/// Departures of hemispherical values that nodes are not scaled for.
+const KEPT: f64 = 5e-3;
 /// Times that hemispherical values are compared and values scaled.
 const PASSES: usize = 3;
 /// Incident azimuths an anisotropic source is averaged over.
@@ -131,11 +133,12 @@ fn keep(
                     .map(|c| all.iter().map(|found| of(found)[c]).sum::<f64>() / n)
                     .collect()
             };
-            Some(Hemispherical {
-                values: map.apply(&mean(|found| &found.values)),
-                errors: map.apply(&mean(|found| &found.errors)),
+            let mean = Hemispherical {
+                values: mean(|found| &found.values),
+                errors: mean(|found| &found.errors),
                 measured: all.iter().map(|found| found.measured).fold(1.0, f64::min),
-            })
+            };
+            Some(mapped(&mean, map))
         })
         .collect();
     let written = |rgb: &[Option<[f64; 3]>]| -> Vec<Option<Hemispherical>> {
@@ -158,6 +161,9 @@ fn keep(
         let factors: Vec<Vec<f64>> = (incidences_deg.iter().zip(wanted.iter().zip(&found)))
             .map(|(&theta, (wanted, found))| each.factors(theta, wanted.as_ref(), found.as_ref(), 3))
             .collect();
+        if factors.iter().flatten().all(|factor| (factor - 1.0).abs() < KEPT) {
+            break;
+        }
         if pass == 0 {
             balance = each;
         }

@@ -7,13 +7,15 @@ use super::super::rgl::{Unwarped, write as write_arrays};
 use super::super::warped::unwarped_node;
 use super::super::{Channels, Component, Format, Hemispherical, Provenance, Table};
 use super::WriteError;
-use super::balance::Balance;
+use super::balance::{Balance, mapped};
 use super::sampling::{ChannelMap, Sampler, clipped};
 
 /// Nodes along the square, of isotropic and of anisotropic tables, from the fewest on.
 const SIZES: [[usize; 3]; 2] = [[64, 128, 256], [32, 64, 96]];
-/// Departure of a hemispherical value from which on more nodes are taken.
+/// Departure of a hemispherical value from which on more nodes are taken, and the incidence beyond which none are: there lobes
+/// are cut by the horizon, and no number of nodes would do.
 const REFINED: f64 = 3e-3;
+const GRAZING_DEG: f64 = 80.5;
 
 /// f cos θ_out over half vectors, without a warp: what Mitsuba, pbrt and powitacq read as it stands. Spectral data stay
 /// spectral; all others become RGB.
@@ -63,7 +65,7 @@ pub(super) fn write(
             let bytes = file(&filled);
             let mut found = Balance::default();
             let factors = slices.factors(&source, &bytes, &mut found);
-            match sizes.next().filter(|_| found.largest() > REFINED) {
+            match sizes.next().filter(|_| slices.largest(&factors) > REFINED) {
                 Some(size) => filled = slices.fill(size)?,
                 None => {
                     filled.scale(&factors, slices.channels);
@@ -158,6 +160,14 @@ impl Slices<'_> {
         })
     }
 
+    /// The largest departure from 1 of factors, a list for each slice, but those at grazing incidence.
+    fn largest(&self, factors: &[f64]) -> f64 {
+        let of_slices = factors.chunks(self.channels).enumerate();
+        let seen = of_slices.filter(|(slice, _)| self.incidence(*slice).1.to_degrees() < GRAZING_DEG);
+        seen.flat_map(|(_, factors)| factors)
+            .fold(0.0, |most, factor| most.max((factor - 1.0).abs()))
+    }
+
     /// The hemispherical values of a component at the incidences of the slices.
     fn hemispherical(&self, of: &Component) -> Vec<Option<Hemispherical>> {
         let slices: Vec<usize> = (0..self.count()).collect();
@@ -174,16 +184,12 @@ impl Slices<'_> {
             return vec![1.0; self.count() * self.channels];
         };
         let found = self.hemispherical(&read.components[0]);
-        let mapped = |h: &Hemispherical| Hemispherical {
-            values: self.map.apply(&h.values),
-            ..h.clone()
-        };
         let all = source.iter().zip(&found).enumerate();
         all.flat_map(|(slice, (source, found))| {
             let theta_deg = rounded_deg(self.incidence(slice).1);
             balance.factors(
                 theta_deg,
-                source.as_ref().map(mapped).as_ref(),
+                source.as_ref().map(|of| mapped(of, self.map)).as_ref(),
                 found.as_ref(),
                 self.channels,
             )

@@ -155,7 +155,7 @@ impl ChannelMap {
             Channels::Wavelengths(grid) => {
                 notices.push(format!("spectra are written as {of}"));
                 Self::Spectral {
-                    system: Box::new(ColourSystem::new(grid, Convention::default())?),
+                    system: Box::new(colour_of(grid, notices)?),
                     rgb: true,
                 }
             }
@@ -173,7 +173,7 @@ impl ChannelMap {
             Channels::Wavelengths(grid) => {
                 notices.push("spectra are written as XYZ under D65, CIE 1931 2° observer".into());
                 Self::Spectral {
-                    system: Box::new(ColourSystem::new(grid, Convention::default())?),
+                    system: Box::new(colour_of(grid, notices)?),
                     rgb: false,
                 }
             }
@@ -198,6 +198,14 @@ impl ChannelMap {
             }
         }
     }
+}
+
+/// The conversion of spectra, and what makes their colours doubtful.
+fn colour_of(grid: &WavelengthGrid, notices: &mut Vec<String>) -> Result<ColourSystem, WriteError> {
+    let system = ColourSystem::new(grid, Convention::default())?;
+    system.require()?;
+    notices.extend(system.doubt().map(|why| format!("the colours are doubtful: {why}")));
+    Ok(system)
 }
 
 fn xyz_to_rgb() -> Result<Matrix3<f64>, WriteError> {

@@ -9,8 +9,9 @@ pub(super) const QUANTITIES: usize = ClothLedger::FRACTIONS + 1;
 
 pub(super) fn quantities(ledger: &[ClothLedger]) -> Vec<f64> {
     let all = |ledger: &ClothLedger| {
-        let [reflected, yarns, gaps, absorbed, games] = ledger.fractions();
-        [reflected, yarns, gaps, absorbed, games, ledger.transmitted()]
+        let mut quantities = [ledger.transmitted(); QUANTITIES];
+        quantities[..ClothLedger::FRACTIONS].copy_from_slice(&ledger.fractions());
+        quantities
     };
     ledger.iter().flat_map(all).collect()
 }
@@ -35,17 +36,24 @@ pub struct HemisphericalRow {
     /// Straight through, without meeting a yarn.
     pub through_gaps: f64,
     pub through_gaps_se: f64,
+    /// By the media of the yarns alone.
     pub absorbed: f64,
     pub absorbed_se: f64,
+    /// Reflected by the yarns' outer surface, where that light is left out.
+    pub reflection_dropped: f64,
+    pub reflection_dropped_se: f64,
+    /// Not followed further.
+    pub bounces_cut: f64,
+    pub bounces_cut_se: f64,
     /// What games of chance took; 0 in the mean.
     pub games: f64,
     pub games_se: f64,
-    /// 1 less reflected, transmitted, absorbed and games: 0 to rounding.
+    /// 1 less the sum of the others: 0 to rounding.
     pub residual: f64,
 }
 
 impl Incidence {
-    /// Reflected, through yarns, through gaps, absorbed, games, and all that is transmitted.
+    /// Those of [`ClothLedger::fractions`], and all that is transmitted.
     pub(super) fn fractions(&self, wavelength: usize) -> [Estimate; QUANTITIES] {
         std::array::from_fn(|k| self.ledger.estimate(wavelength * QUANTITIES + k))
     }
@@ -65,8 +73,8 @@ impl FullBsdf {
                 rounded(d.y.atan2(d.x)).rem_euclid(360.0)
             };
             for (w, &wavelength_nm) in self.grid.nm().iter().enumerate() {
-                let [reflected, yarns, gaps, absorbed, games, transmitted] = incidence.fractions(w);
-                let all = [reflected, yarns, gaps, absorbed, games];
+                let [reflected, yarns, gaps, absorbed, dropped, cut, games, transmitted] = incidence.fractions(w);
+                let all = [reflected, yarns, gaps, absorbed, dropped, cut, games];
                 rows.push(HemisphericalRow {
                     light_from: incidence.side,
                     theta_i_deg,
@@ -82,6 +90,10 @@ impl FullBsdf {
                     through_gaps_se: gaps.se,
                     absorbed: absorbed.value,
                     absorbed_se: absorbed.se,
+                    reflection_dropped: dropped.value,
+                    reflection_dropped_se: dropped.se,
+                    bounces_cut: cut.value,
+                    bounces_cut_se: cut.se,
                     games: games.value,
                     games_se: games.se,
                     residual: 1.0 - all.iter().map(|part| part.value).sum::<f64>(),

@@ -47,6 +47,10 @@ impl FullBsdf {
     ) -> Result<Vec<Component>, ColourError> {
         let negative = Cell::new(0usize);
         let system = ColourSystem::new(&self.grid, Convention::default())?;
+        if colours != Colours::Spectral {
+            system.require()?;
+            notices.extend(system.doubt().map(|why| format!("the colours are doubtful: {why}")));
+        }
         let values = |spectrum: &[Estimate]| {
             let values: Vec<f64> = spectrum.iter().map(|f| f.value).collect();
             let values = match colours {

@@ -1,0 +1,155 @@
+//! Re-absorption against light that was traced with the other absorption.
+
+use super::gate::{Gate, Law, Place};
+use super::{CheckError, Context};
+use crate::optics::Medium;
+use crate::spectrum::WavelengthGrid;
+use crate::transport::{BatchSums, Roulette};
+use crate::yarn::{
+    ByLength, DirectBatch, DirectTracer, Effort, Estimator, LengthBins, LengthSums, RadianceFactorGrid, Reabsorption,
+    SurfaceGrid, Yarn,
+};
+use std::iter::zip;
+
+const LAW: Law = Law {
+    name: "reabsorption",
+    words: "light of known path lengths, given another absorption, is what tracing with that absorption finds",
+};
+
+/// Absorption added and taken away again, times the mean length of scattered light.
+const CHANGE: f64 = 0.1;
+/// Of the light that is scattered: with the same paths and no roulette nothing but the width of the bins is left.
+const TOLERANCE: f64 = 5e-3;
+/// Of the incident flux: less scattered light than this has no lengths to speak of.
+const LEAST: f64 = 1e-9;
+/// So few paths of a batch all fly side by side from its beginning, each with random numbers of its own, whatever becomes of the others.
+const PATHS_OF_A_BATCH: u64 = 8;
+const BATCHES: usize = 128;
+
+/// The study's yarn at three of its wavelengths, and the same with more absorption: each changed into the other.
+pub fn gate(context: &Context) -> Result<Gate, CheckError> {
+    let Context { plan, judge, .. } = context;
+    let last = plan.grid.len() - 1;
+    let mut of = vec![0, last / 2, last];
+    of.dedup();
+    let nm: Vec<f64> = of.iter().map(|&w| plan.grid.nm()[w]).collect();
+    let grid = WavelengthGrid::new(nm.clone())?;
+    let bins = LengthBins::new(plan.yarn.cylinder.radius_mm(), LengthBins::DEFAULT)?;
+    let yarn = |added: &[f64]| -> Result<Yarn, CheckError> {
+        let medium = &plan.yarn.medium;
+        let at = |values: &[f64]| of.iter().map(|&w| values[w]).collect::<Vec<f64>>();
+        let medium = Medium::from_coefficients(
+            &grid,
+            at(medium.host_index()),
+            at(medium.mu_s_per_mm()),
+            zip(at(medium.mu_a_per_mm()), added)
+                .map(|(mu_a, added)| mu_a + added)
+                .collect(),
+            of.iter().map(|&w| medium.phase(w).clone()).collect(),
+        )?;
+        Ok(Yarn {
+            medium,
+            // Independent paths are then the same whatever they lose on the way.
+            roulette: Roulette::new(1e-15, 0.5)?,
+            estimator: Estimator::Independent,
+            ..plan.yarn.clone()
+        })
+    };
+    let axes = RadianceFactorGrid::new(1, SurfaceGrid::new(4, 1, 4)?)?;
+    let own = yarn(&vec![0.0; nm.len()])?;
+    let of_own = trace(plan.study.seed, &own, axes, &bins)?;
+    let lengths = mean_lengths(&of_own.1, nm.len());
+    let darker = yarn(
+        &lengths
+            .map(|length| if length > 0.0 { CHANGE / length } else { 0.0 })
+            .collect::<Vec<_>>(),
+    )?;
+    let of_darker = trace(plan.study.seed, &darker, axes, &bins)?;
+    let mut departures = Vec::new();
+    for ([from, to], [traced, wanted]) in [
+        ([&own, &darker], [&of_own, &of_darker]),
+        ([&darker, &own], [&of_darker, &of_own]),
+    ] {
+        let change = Reabsorption::new(bins.clone(), &from.medium, &to.medium)?;
+        let found = scattered(&axes, &changed(traced, &change)?, nm.len());
+        let expected = scattered(&axes, &means(&wanted.0), nm.len());
+        departures.extend(zip(found, expected).map(|(found, expected)| match expected > LEAST {
+            true => found / expected - 1.0,
+            false => 0.0,
+        }));
+    }
+    Ok(judge.exact(LAW, &departures, TOLERANCE, |i| {
+        let way = if i < nm.len() { "more" } else { "less" };
+        Place::new(nm[i % nm.len()], format!("{way} absorption, scattered light"))
+    }))
+}
+
+fn trace(
+    seed: u64,
+    yarn: &Yarn,
+    axes: RadianceFactorGrid,
+    bins: &LengthBins,
+) -> Result<(BatchSums, LengthSums), CheckError> {
+    let effort = Effort::new(seed, BATCHES, BATCHES as u64 * PATHS_OF_A_BATCH)?;
+    let tracer = DirectTracer::new(yarn, axes, effort, Some(bins.clone()))?;
+    let mut batches = (0..BATCHES).map(|batch| tracer.batch(batch)).peekable();
+    let [values, by_length] = batches.peek().map_or([0; 2], |batch: &DirectBatch| {
+        [batch.radiance_factor.len(), batch.lengths.amount.len()]
+    });
+    let mut sums = (BatchSums::zeros(values), LengthSums::zeros(by_length));
+    for batch in batches {
+        sums.0.add(&batch.radiance_factor);
+        sums.1.add(&batch.lengths);
+    }
+    Ok(sums)
+}
+
+/// Of scattered light at each wavelength, mm; 0 where there is none.
+fn mean_lengths(lengths: &LengthSums, wavelengths: usize) -> impl Iterator<Item = f64> {
+    (0..wavelengths).map(move |w| {
+        let of = |sums: &[f32]| {
+            sums.iter()
+                .skip(w)
+                .step_by(wavelengths)
+                .map(|x| f64::from(*x))
+                .sum::<f64>()
+        };
+        let (light, moment) = (of(&lengths.amount), of(&lengths.moment_mm));
+        if light > 0.0 { moment / light } else { 0.0 }
+    })
+}
+
+fn means(sums: &BatchSums) -> Vec<f64> {
+    (0..sums.sum.len()).map(|i| sums.estimate(i).value).collect()
+}
+
+/// f* with another absorption.
+fn changed((table, lengths): &(BatchSums, LengthSums), change: &Reabsorption) -> Result<Vec<f64>, CheckError> {
+    let mut mean = means(table);
+    let mut se: Vec<f32> = (0..mean.len()).map(|i| table.estimate(i).se as f32).collect();
+    let mut systematic = vec![0.0; mean.len()];
+    let of = |i: usize| lengths.estimate(i);
+    let places = 0..lengths.amount.len();
+    let share = 1.0 / lengths.batches as f32;
+    let mut by_mean: Vec<f32> = places.clone().map(|i| of(i).value as f32).collect();
+    let mut by_se: Vec<f32> = places.map(|i| of(i).se as f32).collect();
+    let mut moment: Vec<f32> = lengths.moment_mm.iter().map(|sum| sum * share).collect();
+    let by_length = ByLength {
+        mean: &mut by_mean,
+        se: &mut by_se,
+        moment_mm: &mut moment,
+    };
+    change.table(&mut mean, &mut se, by_length, &mut systematic)?;
+    Ok(mean)
+}
+
+/// Scattered light of all cells, of the incident flux, at each wavelength.
+fn scattered(axes: &RadianceFactorGrid, table: &[f64], wavelengths: usize) -> Vec<f64> {
+    let exits = axes.surface().exit().cells();
+    let mut sums = vec![0.0; wavelengths];
+    for (cell, row) in table.chunks_exact(wavelengths).enumerate() {
+        let share = 1.0 / axes.radiance_factor_per_fraction(0, cell % exits);
+        zip(&mut sums, row).for_each(|(sum, f)| *sum += share * f);
+    }
+    sums
+}

@@ -1,0 +1,217 @@
+//! The woven geometry against drawdowns and Peirce's formulas written out, without chance.
+
+use super::gate::{Gate, Law, Place};
+use super::{CheckError, Context};
+use crate::cloth::{Cloth, ClothError, ClothSpec, Draft, PeirceSegment, System, Tubes, Weave, YarnId};
+use crate::geometry::Vec3;
+use crate::rig::Interaction;
+use crate::run::RunError;
+
+const CROSSINGS: Law = Law {
+    name: "crossings",
+    words: "at every crossing the yarn on top, seen from above, and the one below, seen from below, are those of the drawdown",
+};
+const CROWNS: Law = Law {
+    name: "crowns",
+    words: "crowns of the yarns stand as high as Peirce's geometry says, whose two equations its segment solves",
+};
+const SHADOWS: Law = Law {
+    name: "shadow-rays",
+    words: "a yarn is shadowed by the others alone: from below at a crossing, and not between crossings",
+};
+
+/// Drawdowns, a row a weft: X where the warp is on top. Neither is its mirror image or has its faces alike, and the second has
+/// unlike numbers of yarns.
+const TWILL: &[&str] = &[".XX", "X.X", "XX."];
+const UNEVEN: &[&str] = &[".XX", "XX.", "X.X", "..X"];
+
+/// Crossings of the study's own cloth that are looked at, a side.
+const OWN_CROSSINGS: usize = 64;
+
+/// A cloth with a known drawdown.
+struct Woven<'a> {
+    name: &'static str,
+    cloth: &'a Cloth,
+    tubes: Option<Tubes>,
+    spec: &'a ClothSpec,
+    warp_on_top: Box<dyn Fn(usize, usize) -> bool>,
+    wefts: usize,
+    warps: usize,
+}
+
+impl<'a> Woven<'a> {
+    fn of(
+        name: &'static str,
+        (spec, cloth): &'a (ClothSpec, Cloth),
+        rows: &'static [&'static str],
+    ) -> Result<Self, ClothError> {
+        Ok(Self {
+            name,
+            cloth,
+            tubes: Some(Tubes::new(spec)?),
+            spec,
+            warp_on_top: Box::new(|i, j| rows[i].as_bytes()[j] == b'X'),
+            wefts: rows.len(),
+            warps: rows[0].len(),
+        })
+    }
+
+    /// Places of all crossings: weft, warp, and the point in the cloth's plane.
+    fn crossings(&self) -> impl Iterator<Item = (usize, usize, Vec3)> + '_ {
+        let Self { spec, wefts, warps, .. } = self;
+        (0..*wefts).flat_map(move |i| {
+            (0..*warps).map(move |j| {
+                let x = (i as f64 + 0.5) * spec.weft_spacing_mm;
+                let y = (j as f64 + 0.5) * spec.warp_spacing_mm;
+                (i, j, Vec3::new(x, y, 0.0))
+            })
+        })
+    }
+
+    /// What a vertical ray meets first from above, side 1, or from below, side −1: on the mesh, and on the smooth tubes.
+    fn seen(&self, at: Vec3, side: f64) -> Vec<(YarnId, f64)> {
+        let from = at + Vec3::z() * (side * 2.0 * self.cloth.top_mm());
+        let towards = Vec3::z() * -side;
+        let mesh = self
+            .cloth
+            .intersect(&from, &towards)
+            .map(|hit| (hit.yarn, hit.position.z));
+        let smooth = self.tubes.as_ref().and_then(|tubes| tubes.first_hit(from, towards));
+        mesh.into_iter()
+            .chain(smooth.map(|hit| (hit.yarn, hit.position.z)))
+            .collect()
+    }
+}
+
+pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
+    let rows: Vec<Vec<bool>> = UNEVEN
+        .iter()
+        .map(|row| row.bytes().map(|x| x == b'X').collect())
+        .collect();
+    let custom = Draft::new(&rows).map(Weave::Custom).map_err(RunError::from)?;
+    let woven = |weave| -> Result<(ClothSpec, Cloth), ClothError> {
+        let spec = ClothSpec {
+            weave,
+            segments_around: 16,
+            segments_along: 8,
+            ..ClothSpec::default()
+        };
+        let cloth = Cloth::new(&spec)?;
+        Ok((spec, cloth))
+    };
+    let twill = woven(Weave::Twill21).map_err(RunError::from)?;
+    let uneven = woven(custom).map_err(RunError::from)?;
+    let known = [
+        Woven::of("twill-2-1", &twill, TWILL).map_err(RunError::from)?,
+        Woven::of("uneven draft", &uneven, UNEVEN).map_err(RunError::from)?,
+    ];
+    Ok([
+        crossings(context, &known),
+        crowns(context, &known),
+        shadows(context, &known[0]),
+    ])
+}
+
+/// 1 for every wrong yarn.
+fn crossings(context: &Context, known: &[Woven]) -> Gate {
+    let mut departures = Vec::new();
+    let mut places = Vec::new();
+    let mut test = |woven: &Woven| {
+        for (i, j, at) in woven.crossings() {
+            let (warp, weft) = ((System::Warp, j), (System::Weft, i));
+            let (top, bottom) = if (woven.warp_on_top)(i, j) {
+                (warp, weft)
+            } else {
+                (weft, warp)
+            };
+            for (side, expected) in [(1.0, top), (-1.0, bottom)] {
+                let seen = woven.seen(at, side);
+                let right = !seen.is_empty()
+                    && seen
+                        .iter()
+                        .all(|(yarn, _)| (yarn.system, yarn.index as usize) == expected);
+                departures.push(f64::from(u8::from(!right)));
+                places.push(format!("{}, weft {i}, warp {j}", woven.name));
+            }
+        }
+    };
+    known.iter().for_each(&mut test);
+    let plan = context.plan;
+    if plan.cloth_spec.spacing_variation == 0.0 {
+        let draft = plan.cloth_spec.weave.draft();
+        test(&Woven {
+            name: "the study's cloth",
+            cloth: &plan.cloth,
+            tubes: None,
+            spec: &plan.cloth_spec,
+            wefts: draft.yarns(System::Weft).min(OWN_CROSSINGS),
+            warps: draft.yarns(System::Warp).min(OWN_CROSSINGS),
+            warp_on_top: Box::new(move |i, j| draft.warp_on_top(i, j)),
+        });
+    }
+    context
+        .judge
+        .exact(CROSSINGS, &departures, 0.0, |i| Place::named(places[i].clone()))
+}
+
+/// In yarn radii R. Equal round yarns that touch where they cross and share the crimp have their crowns 2R from the middle plane.
+fn crowns(context: &Context, known: &[Woven]) -> Gate {
+    let mut departures = Vec::new();
+    let mut places = Vec::new();
+    for woven in known {
+        let radius_mm = woven.spec.warp_radius_mm;
+        for (i, j, at) in woven.crossings() {
+            for side in [1.0, -1.0] {
+                for (_, z) in woven.seen(at, side) {
+                    departures.push(side * z / radius_mm - 2.0);
+                    places.push(format!("{}, weft {i}, warp {j}", woven.name));
+                }
+            }
+        }
+    }
+    let spec = ClothSpec::default();
+    let (p, h) = (spec.weft_spacing_mm, spec.warp_radius_mm + spec.weft_radius_mm);
+    let d = 2.0 * h;
+    match PeirceSegment::solve(p, h, d) {
+        Some(PeirceSegment {
+            length_mm,
+            weave_angle_rad,
+        }) => {
+            let straight = length_mm - d * weave_angle_rad;
+            let (sin, cos) = weave_angle_rad.sin_cos();
+            departures.push((straight * cos + d * sin - p) / spec.warp_radius_mm);
+            departures.push((straight * sin + d * (1.0 - cos) - h) / spec.warp_radius_mm);
+        }
+        None => departures.extend([f64::NAN; 2]),
+    }
+    places.extend(["Peirce's spacing", "Peirce's crimp height"].map(str::to_owned));
+    let rounding = context.plan.study.check.rounding;
+    context
+        .judge
+        .exact(CROWNS, &departures, rounding, |i| Place::named(places[i].clone()))
+}
+
+/// 1 for every wrong shadow. Light from straight below, at points seen from straight above, and from above, where all is lit.
+fn shadows(context: &Context, woven: &Woven) -> Gate {
+    let mut departures = Vec::new();
+    let mut places = Vec::new();
+    let half_gap = Vec3::x() * (0.5 * woven.spec.weft_spacing_mm);
+    let from = Vec3::z() * (2.0 * woven.cloth.top_mm());
+    for (i, j, crossing) in woven.crossings() {
+        // A warp has nothing above or below it half-way between two wefts.
+        for (at, shadowed_from_below) in [(crossing, true), (crossing + half_gap, false)] {
+            let seen = woven.cloth.intersect(&(at + from), &-Vec3::z()).map(|hit| Interaction {
+                omega_out_local: hit.frame.to_local(&Vec3::z()),
+                hit,
+            });
+            let lit = |light: Vec3| seen.is_some_and(|point| point.light(woven.cloth, &light).is_some());
+            let right = lit(Vec3::z()) && lit(-Vec3::z()) != shadowed_from_below;
+            departures.push(f64::from(u8::from(!right)));
+            let place = if shadowed_from_below { "at" } else { "behind" };
+            places.push(format!("warp {j}, {place} the crossing with weft {i}"));
+        }
+    }
+    context
+        .judge
+        .exact(SHADOWS, &departures, 0.0, |i| Place::named(places[i].clone()))
+}

@@ -1,0 +1,86 @@
+//! Light that goes from yarn to yarn, traced through the medium of each: none of it is lost, and a white cloth keeps none.
+
+use super::gate::{Gate, Law, Place};
+use super::{CheckError, Context};
+use crate::cloth::Tubes;
+use crate::rig::omega_in;
+use crate::run::RunError;
+use crate::woven::{Beam, ClothLedger, ViewCones, Volumetric};
+use crate::yarn::{Estimator, Yarn};
+use rayon::prelude::*;
+
+const LEDGER: Law = Law {
+    name: "cloth-ledger",
+    words: "of light traced through the yarns of the cloth, reflected + transmitted + absorbed + games of chance is 1",
+};
+const FURNACE: Law = Law {
+    name: "cloth-furnace",
+    words: "white yarns absorb nothing of the light traced through them, and the same sum is 1",
+};
+
+/// Particles of a beam and group of wavelengths: the sums hold path by path, whatever their number.
+const PARTICLES: usize = 64;
+
+pub fn ledger(context: &Context) -> Result<Gate, CheckError> {
+    closes(context, LEDGER, context.plan.yarns(), |ledger| ledger.residual())
+}
+
+/// `white` is the study's yarn without absorption.
+pub fn furnace(context: &Context, white: &Yarn) -> Result<Gate, CheckError> {
+    closes(context, FURNACE, [white, white], |ledger| {
+        let residual = ledger.residual();
+        if ledger.absorbed.abs() > residual.abs() {
+            ledger.absorbed
+        } else {
+            residual
+        }
+    })
+}
+
+/// Warp and weft of one cloth, at every incidence of the rig.
+fn closes(
+    context: &Context,
+    law: Law,
+    [warp, weft]: [&Yarn; 2],
+    of: fn(&ClothLedger) -> f64,
+) -> Result<Gate, CheckError> {
+    let plan = context.plan;
+    let tubes = Tubes::new(&plan.cloth_spec).map_err(RunError::from)?;
+    let shared = [warp, weft]
+        .iter()
+        .all(|yarn| yarn.estimator_in_use() == Estimator::Shared);
+    let estimator = if shared {
+        Estimator::Shared
+    } else {
+        Estimator::Independent
+    };
+    let (warp, weft) = (warp.sharing_by(estimator)?, weft.sharing_by(estimator)?);
+    let nothing = ViewCones::new(Vec::new(), 0.0);
+    let incidences = plan.rig.incidences_deg();
+    let groups: Vec<(usize, usize)> = (0..incidences.len())
+        .flat_map(|k| (0..warp.len()).map(move |group| (k, group)))
+        .collect();
+    let ledgers: Vec<ClothLedger> = groups
+        .par_iter()
+        .flat_map_iter(|&(k, group)| {
+            let light = Volumetric {
+                tubes: &tubes,
+                interiors: [&warp[group].interior, &weft[group].interior],
+                backing: None,
+                roulette: plan.yarn.roulette,
+                surface: plan.surface(true),
+                seed: plan.study.seed,
+            };
+            let beam = Beam {
+                omega_in: omega_in(incidences[k], plan.study.cloth.azimuth_deg),
+                number: k,
+            };
+            light.batch(&beam, &nothing, warp[group].first, 0, PARTICLES).ledger
+        })
+        .collect();
+    let departures: Vec<f64> = ledgers.iter().map(of).collect();
+    let nm = plan.grid.nm();
+    Ok(context.judge.exact(law, &departures, plan.study.check.rounding, |i| {
+        Place::new(nm[i % nm.len()], format!("theta_i {} deg", incidences[i / nm.len()]))
+    }))
+}

@@ -1,0 +1,45 @@
+//! Numbers as people write them, for messages.
+
+/// Significant digits of a number in a message: enough for any value that was typed, too few for the rounding of binary fractions.
+const DIGITS: usize = 10;
+
+/// A number for a message: 10 significant digits without zeros at the end, and an exponent where it is below 1e-5 or from 1e7 on.
+pub fn shown(value: f64) -> String {
+    if !value.is_finite() {
+        return match value.is_nan() {
+            true => "no number".into(),
+            false => "an infinite number".into(),
+        };
+    }
+    let rounded = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
+    if rounded == 0.0 {
+        // Also of −0.
+        "0".into()
+    } else if (1e-5..1e7).contains(&rounded.abs()) {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shown;
+
+    #[test]
+    fn numbers_are_written_as_people_do() {
+        for (value, text) in [
+            (0.08727000000000007, "0.08727"),
+            (90.0, "90"),
+            (0.1 + 0.2, "0.3"),
+            (1e300, "1e300"),
+            (-2.5e-300, "-2.5e-300"),
+            (-0.0, "0"),
+            (1_000_000.0, "1000000"),
+            (0.5196152422706632, "0.5196152423"),
+            (f64::NAN, "no number"),
+        ] {
+            assert_eq!(shown(value), text);
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! A cloth that cannot be woven, in the keys of the study that asked for it.
+
+use crate::cloth::{ClothError, ClothSpec, System};
+use crate::number::shown;
+use crate::study::{Study, StudyError};
+
+/// The error with the key that brings about what is wrong, its value, and one that would do. An error of no key stays none.
+pub(super) fn at_key(study: &Study, spec: &ClothSpec, error: &ClothError) -> Option<StudyError> {
+    let value = |key: &str, expected: String, found: String, remedy: String| {
+        Some(StudyError::Value {
+            place: study.origin.place(key),
+            key: key.into(),
+            expected,
+            found,
+            remedy,
+        })
+    };
+    let vary = match study.cloth.radius_variation > 0.0 || study.cloth.spacing_variation > 0.0 {
+        true => ", or reduce `cloth.radius_variation` and `cloth.spacing_variation`",
+        false => "",
+    };
+    let at_least = |system: System, factor: f64, or_else: &str| {
+        let (key, spacing) = spacing_key(study, system);
+        // Rounded up, so that what is recommended holds.
+        let least = shown((spacing * factor * 1e4).ceil() * 1e-4);
+        value(
+            key,
+            format!("at least {least} yarn diameters, {or_else}"),
+            shown(spacing),
+            format!("increase it{vary}"),
+        )
+    };
+    let amplitude = study.cloth.sinusoid_amplitude_mm;
+    match error {
+        ClothError::Jammed {
+            system,
+            crossed,
+            spacing_mm,
+            minimum_mm,
+            ..
+        } => at_least(
+            *crossed,
+            minimum_mm / spacing_mm,
+            &format!("or the {system} yarns have no room between the {crossed} yarns that they cross"),
+        ),
+        ClothError::Overlap {
+            neighbours: Some(system),
+            overlap_mm,
+            ..
+        } => {
+            let spacing_mm = match system {
+                System::Warp => spec.warp_spacing_mm,
+                System::Weft => spec.weft_spacing_mm,
+            };
+            let or_else = format!("or neighbouring {system} yarns overlap by {} mm", shown(*overlap_mm));
+            at_least(*system, 1.0 + overlap_mm / spacing_mm, &or_else)
+        }
+        ClothError::Overlap { .. } | ClothError::TooCurved { .. } => {
+            let expected =
+                |of: &str| format!("{of} at which yarns neither overlap nor bend tighter than they are thick");
+            match amplitude {
+                Some(amplitude_mm) => value(
+                    "cloth.sinusoid_amplitude_mm",
+                    expected("an amplitude"),
+                    format!("{} mm, where {error}", shown(amplitude_mm)),
+                    "leave it out to have the smallest that is possible, or increase `cloth.spacing_diameters`".into(),
+                ),
+                None => {
+                    let (key, spacing) = spacing_key(study, System::Warp);
+                    value(
+                        key,
+                        expected("a spacing"),
+                        format!("{}, where {error}", shown(spacing)),
+                        format!("increase it{vary}"),
+                    )
+                }
+            }
+        }
+        ClothError::TooManyFacets { found, limit } => {
+            let repeats = study.cloth.repeats;
+            let one = *found as f64 / f64::from(repeats).powi(2);
+            let most = (*limit as f64 / one).sqrt().floor();
+            if repeats > 1 && most >= 1.0 {
+                return value(
+                    "cloth.repeats",
+                    format!("at most {most} repeats of this weave, which are {limit} facets"),
+                    repeats.to_string(),
+                    "reduce it, or `cloth.segments_around` and `cloth.segments_along`".into(),
+                );
+            }
+            value(
+                "cloth.segments_along",
+                format!("at most {limit} facets in one repeat of the weave"),
+                format!(
+                    "{} around by {} along, {one} facets",
+                    spec.segments_around, spec.segments_along
+                ),
+                "reduce it, `cloth.segments_around`, or take a draft with fewer yarns".into(),
+            )
+        }
+        ClothError::NeverInterlaces { .. } | ClothError::EmptyDraft | ClothError::RaggedDraft { .. } => value(
+            "weave.draft",
+            "a draft in which every yarn changes sides".into(),
+            error.to_string(),
+            "`specval weave` prints the draft".into(),
+        ),
+        ClothError::Length { .. } | ClothError::Ratio { .. } | ClothError::Segments { .. } => None,
+    }
+}
+
+/// The key that says how far the yarns of a system are apart, and its value.
+fn spacing_key(study: &Study, system: System) -> (&'static str, f64) {
+    match (system, study.weft.spacing_diameters) {
+        (System::Weft, Some(spacing)) => ("weft.spacing_diameters", spacing),
+        _ => ("cloth.spacing_diameters", study.cloth.spacing_diameters),
+    }
+}

@@ -1,0 +1,62 @@
+use std::collections::BTreeMap;
+
+use super::{Place, StudyError};
+
+/// The file that a study was read from and the line of each of its keys, for messages. It says nothing of what the study asks for:
+/// studies are equal whatever their origin.
+#[derive(Clone, Debug, Default)]
+pub struct Origin {
+    file: String,
+    /// By `section.key`, from 1.
+    lines: BTreeMap<String, usize>,
+}
+
+impl PartialEq for Origin {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Origin {
+    pub(super) fn new(file: &str, lines: BTreeMap<String, usize>) -> Self {
+        Self {
+            file: file.into(),
+            lines,
+        }
+    }
+
+    /// Where a key, as `section.key`, has its value; `None` for a default, or a value that came from elsewhere.
+    pub fn place(&self, key: &str) -> Option<Box<Place>> {
+        self.lines.get(key).map(|&line| {
+            Box::new(Place {
+                file: self.file.clone(),
+                line,
+            })
+        })
+    }
+
+    /// That a key no longer has its value from the file.
+    pub fn forget(&mut self, key: &str) {
+        self.lines.remove(key);
+    }
+
+    /// The error with the place of its key, if it has none yet.
+    pub(crate) fn locate(&self, error: StudyError) -> StudyError {
+        match error {
+            StudyError::Value {
+                place: None,
+                key,
+                expected,
+                found,
+                remedy,
+            } => StudyError::Value {
+                place: self.place(&key),
+                key,
+                expected,
+                found,
+                remedy,
+            },
+            located => located,
+        }
+    }
+}
