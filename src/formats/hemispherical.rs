@@ -17,7 +17,7 @@ use super::warped::Warped;
 use crate::geometry::Vec3;
 
 /// Estimated error at which cells are no longer cut, of the largest channel's value.
-const TOLERANCE: f64 = 2e-4;
+const TOLERANCE: f64 = 3e-5;
 /// Cells at most; what is left of the error is then stated.
 const MOST_CELLS: usize = 20_000;
 /// Widest cell about the axis, in radians.

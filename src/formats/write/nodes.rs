@@ -3,7 +3,7 @@
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BinaryHeap};
 
-use super::super::{Component, Table};
+use super::super::{Component, Parameters, Table};
 use super::WriteError;
 use super::balance::hemispherical;
 use super::sampling::Sampler;
@@ -57,8 +57,7 @@ fn refined(
 impl<'a> Probe<'a> {
     pub(super) fn new(component: &'a Component, sampler: Sampler<'a>, theta_i_deg: &[f64], phi_i_deg: &[f64]) -> Self {
         let mut incidences_deg = Vec::new();
-        // Klems patches are wider than any even step, and have no bends to find.
-        if !matches!(component.table, Table::Klems(_)) {
+        if !is_coarse(component) {
             for &theta in theta_i_deg {
                 for &phi in phi_i_deg {
                     if let Some(found) = hemispherical(component, theta, phi) {
@@ -149,6 +148,23 @@ impl<'a> Probe<'a> {
             Ok(worst)
         })?;
         Ok([polar, around])
+    }
+}
+
+/// Steps in degrees from which on a source's own nodes hold no lobe that the even ones of a table would miss.
+const COARSE_DEG: f64 = 5.0 - 1e-6;
+
+/// Whether a source has no closer nodes than a table of even steps: patches, and spherical grids of wide polar steps.
+fn is_coarse(component: &Component) -> bool {
+    match &component.table {
+        Table::Klems(_) => true,
+        Table::Grid(grid) if *grid.parameters() == Parameters::Spherical => {
+            let polar = grid.axes()[2].nodes_rad();
+            polar
+                .windows(2)
+                .all(|pair| (pair[1] - pair[0]).to_degrees() >= COARSE_DEG)
+        }
+        _ => false,
     }
 }
 
