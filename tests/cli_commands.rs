@@ -365,7 +365,11 @@ fn bad_spectra_are_refused_with_file_line_and_column() {
             "wavelength_nm,a\n500\n",
             &["short.csv", "line 2", "2 values"],
         ),
-        ("infrared.csv", "wavelength_nm,a\n500,1\n1500,1\n", &["infrared.csv", "no colour", "1 of the wavelengths lie in 360..780 nm"]),
+        (
+            "infrared.csv",
+            "wavelength_nm,a\n500,1\n1500,1\n",
+            &["infrared.csv", "no colour", "1 of the wavelengths lie in 360..780 nm"],
+        ),
         ("bare.csv", "500,1\n510,1\n", &["bare.csv", "line 1", "wavelength_nm"]),
         ("empty.csv", "", &["empty.csv", "header"]),
     ] {

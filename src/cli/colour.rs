@@ -87,7 +87,9 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         adaptation: arguments.adaptation,
     };
     let system = ColourSystem::new(&spectra.grid, convention.clone())?;
-    system.require().map_err(|e| format!("{}: {e}", arguments.file.display()))?;
+    system
+        .require()
+        .map_err(|e| format!("{}: {e}", arguments.file.display()))?;
     notices.extend(system.doubt().map(|why| format!("the colours are doubtful: {why}")));
     for notice in &notices {
         terminal.notice(notice);
