@@ -82,7 +82,11 @@ impl Plan {
         // Each batch has one at least.
         let batches = u64::from(study.trace.batches);
         let trace = &mut study.trace;
-        for paths in [&mut trace.paths_bssrdf, &mut trace.particles, &mut trace.particles_volumetric] {
+        for paths in [
+            &mut trace.paths_bssrdf,
+            &mut trace.particles,
+            &mut trace.particles_volumetric,
+        ] {
             *paths = (*paths).max(batches);
         }
         Ok((Self::new(study)?, parts))
