@@ -25,6 +25,11 @@ const COEFFICIENT: f64 = 1e-6;
 /// Of the phase function: relative where it is above that of even scattering, of the latter where it is below. A table is
 /// refined until its g is good to 1e-6 and is normalised as the polygon that it is, which puts the peak of spheres of 5 µm 4e-4 too low.
 const DENSITY: f64 = 2e-3;
+/// Panels of q d: narrow where dense spheres have sharp peaks of S, and beyond half of what |S1|² takes to go up and down.
+const PEAKS: f64 = 60.0;
+const NARROW: f64 = 0.25;
+const WIDE: f64 = 4.0;
+const PANEL_NODES: usize = 20;
 /// Angles θ = 2 asin(k/32), nodes of every table.
 const ANGLES: usize = 32;
 
@@ -178,18 +183,23 @@ impl Sphere {
         (s1, s2)
     }
 
-    /// μ_s, extinction and g: ∫ dC/dΩ and ∫ dC/dΩ cosθ over the sphere by Gauss's rule.
+    /// μ_s, extinction and g: ∫ dC/dΩ and ∫ dC/dΩ cosθ over the sphere by Gauss's rule in panels of q d = 4x sin(θ/2).
     fn coefficients(&self) -> [f64; 3] {
-        // |S|² is a polynomial of degree 2n in cosθ, for which n + 1 nodes are exact; the peaks of S(q) take many more.
-        let nodes = match self.interfering {
-            None => self.a.len() + 2,
-            Some(_) => 8 * self.a.len() + 200,
-        };
-        let (mut mu_s, mut forward) = (0.0, 0.0);
-        for (cos, weight) in gauss_legendre(nodes) {
-            let share = 2.0 * PI * weight * self.scattering(cos);
-            mu_s += share;
-            forward += share * cos;
+        let rule = gauss_legendre(PANEL_NODES);
+        let most = 4.0 * self.x;
+        let (mut mu_s, mut forward, mut low) = (0.0, 0.0, 0.0);
+        while low < most {
+            let step = if low < PEAKS { NARROW } else { WIDE };
+            let high: f64 = if low + step < most { low + step } else { most };
+            for (node, weight) in &rule {
+                let sine = (0.5 * (low + high) + 0.5 * (high - low) * node) / most;
+                let cos = 1.0 - 2.0 * sine * sine;
+                // dω = 8π t dt with t = sin(θ/2).
+                let share = 8.0 * PI * sine * 0.5 * (high - low) / most * weight * self.scattering(cos);
+                mu_s += share;
+                forward += share * cos;
+            }
+            low = high;
         }
         let mu_ext = mu_s + self.absorption();
         [mu_s, mu_ext, if mu_s > 0.0 { forward / mu_s } else { 0.0 }]
