@@ -305,9 +305,11 @@ impl Component {
             sums.values.iter_mut().zip(cell.sums).for_each(|(sum, v)| *sum += v);
             sums.errors.iter_mut().zip(cell.errors).for_each(|(sum, e)| *sum += e);
         }
-        // The same rule over the whole hemisphere; its error is far below any gap of a table.
+        // The same rule gives the projected hemisphere, to an error far below any gap of a table. The ratio to it is exact where f is
+        // constant.
         sums.measured /= PI;
-        if sums.measured > 1.0 - 1e-4 {
+        if (sums.measured - 1.0).abs() < 1e-4 {
+            sums.values.iter_mut().for_each(|v| *v /= sums.measured);
             sums.measured = 1.0;
         }
         (sums.measured > 0.0).then_some(sums)
@@ -328,7 +330,7 @@ impl Component {
     }
 
     /// Points all over the hemisphere of outgoing directions (upright, as tables know them), light being from above: direction,
-    /// cos θ dω, and f cos θ dω a channel. Their sums are [`Self::directional_hemispherical`]. Nothing of tables that are constant
+    /// cos θ dω, and f cos θ dω a channel. Their sums are [`Self::directional_hemispherical`] to the error of that. Nothing of tables that are constant
     /// on cells, nor where nothing was measured.
     pub(super) fn visit_hemisphere(&self, theta_i: f64, phi_i: f64, mut visit: impl FnMut(&Vec3, f64, &[f64])) {
         let Some(integral) = self.integral(theta_i, phi_i) else {
