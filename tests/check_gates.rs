@@ -138,7 +138,7 @@ fn false_alarms(runs: u64) -> Vec<(u64, Vec<&'static str>)> {
 }
 
 /// Studies at the ends of their keys' ranges, where laws hold and light is rare, all but absorbed, or turned by next to nothing.
-const VALID: [&str; 8] = [
+const VALID: [&str; 10] = [
     "[medium]\nkappa_peak = 0.1",
     "[medium]\nvolume_fraction = 0.0",
     "[medium]\nvolume_fraction = 1e-6",
@@ -147,6 +147,8 @@ const VALID: [&str; 8] = [
     "[medium]\nparticle_diameter_nm = 1.0",
     "[medium]\nhost_mu_a_per_mm = 50.0",
     "[yarn]\nradius_mm = 1e-6",
+    "[medium]\nparticle_diameter_nm = 5000.0",
+    "[medium]\ninterference = \"percus-yevick\"\nparticle_diameter_nm = 1000.0\nvolume_fraction = 0.6",
 ];
 
 #[test]

@@ -169,7 +169,7 @@ fn grids() -> Vec<WavelengthGrid> {
         grid((400..=700).step_by(10)),
         grid((400..=700).step_by(20)),
         grid((400..=700).step_by(50)),
-        grid((380..=730).step_by(7)),
+        grid((394..=730).step_by(7)),
         grid([405, 436, 546, 578, 633, 694]),
         grid((300..=1000).step_by(10)),
         grid((390..=490).step_by(5).chain((500..=730).step_by(10))),
@@ -485,7 +485,7 @@ fn tables_of_a_users_own_are_refused_before_a_run() {
         ),
         ("wavelength_nm,xbar,ybar,zbar,rbar\n390,1,1,1,1\n", "found rbar, xbar"),
         ("wavelength_nm,xbar,ybar,zbar\n390,1,1,-1\n", "column zbar"),
-        ("wavelength_nm,xbar,ybar,zbar\n390,1,1,1\n", "no value at 400 nm"),
+        ("wavelength_nm,xbar,ybar,zbar\n390,1,1,1\n", "no value at 730 nm"),
     ] {
         let message = refusal(text, true);
         assert!(message.contains(says), "{message}");

@@ -304,3 +304,65 @@ fn bad_samples_are_refused_by_row_and_column() {
         assert!(!folder.path().join("out").exists());
     }
 }
+
+/// A sample of 45° alone is compared where it was measured; angles typed in `[rig]` win, and what they leave out is named.
+#[test]
+fn every_reading_of_a_sample_without_the_normal_is_accounted_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b\n";
+    let views = [-30, -15, 0, 15, 30, 60];
+    let rows: String = views.iter().map(|v| format!("45.01,{v}.02,0.3,0.02,0.04\n")).collect();
+    fs::write(
+        folder.path().join("s45.csv"),
+        format!("{header}{rows}").replace("-30.02", "-29.98"),
+    )
+    .unwrap();
+    let report = |study: &str, out: &str| -> Value {
+        fs::write(folder.path().join("study.toml"), study).unwrap();
+        let words = [
+            "report",
+            "study.toml",
+            "--measured",
+            "s45.csv",
+            "--out",
+            out,
+            "--json",
+            "--quiet",
+        ];
+        serde_json::from_str(&succeed(folder.path(), &words)).unwrap()
+    };
+    let own = report(SMALL, "own");
+    let count = &own["readings"];
+    assert_eq!(
+        (&count["total"], &count["used"], &count["moved"]),
+        (&6.into(), &6.into(), &6.into())
+    );
+    assert_eq!(
+        count["normalised_at"],
+        serde_json::json!({ "theta_i_deg": 45.0, "theta_v_deg": 0.0 })
+    );
+    let rmse = own["rmse"].as_array().unwrap();
+    assert!(!rmse.is_empty() && rmse.iter().all(|row| row["theta_i_deg"] == 45.0 && row["views"] == 6));
+    assert!(
+        own["provenance"]["fallbacks"]
+            .to_string()
+            .contains("incidence 45 and view 0")
+    );
+    let graph = fs::read_to_string(folder.path().join("own/graph1.svg")).unwrap();
+    assert!(graph.contains("Light at 45°") && graph.contains("measured"));
+    assert!(!folder.path().join("own/graph3.svg").exists());
+    // No error is stated, so none is written.
+    let measured = rows_of(&folder.path().join("own/curves.csv"), "measured");
+    assert!(measured.len() == 24 && measured.iter().all(|row| row[5].is_empty()));
+
+    let typed = report(&SMALL.replace("[rig]", "[rig]\nincidences_deg = [0, 30]"), "typed");
+    let count = &typed["readings"];
+    assert_eq!((&count["used"], &count["outside_rig"]), (&0.into(), &6.into()));
+    assert_eq!(count["examples_outside_rig"][0]["theta_i_deg"], 45.0);
+    let graph = fs::read_to_string(folder.path().join("typed/graph1.svg")).unwrap();
+    assert!(graph.contains("the sample has no reading at this incidence"));
+}
+
+fn rows_of(path: &Path, source: &str) -> Vec<csv::StringRecord> {
+    rows(path).into_iter().filter(|row| &row[2] == source).collect()
+}

@@ -136,7 +136,6 @@ fn a_users_dye_file() {
         ("wavelength_nm,value\n500,\n", 2, "0..1"),
         ("wave,value\n500,1\n", 1, "a column wavelength_nm"),
         ("wavelength_nm,value,other\n500,1,1\n", 1, "one spectrum"),
-        ("wavelength_nm value\n500 1\n", 1, "a column wavelength_nm"),
         ("500,1\n600,0.5\n", 1, "a column wavelength_nm"),
         ("wavelength_nm;value\n500;1,234\n", 2, "one decimal mark"),
         ("wavelength_nm,value\n0.5,1\n0.6,1\n", 2, "a wavelength in nm"),
@@ -187,6 +186,8 @@ fn spectra_by_column_and_by_row_are_the_same() {
     );
     assert_eq!(columns, rows);
     assert_eq!(columns[1].1.values(), [-3.0, 4.0]);
+    let named = read_spectra(file("sample,400 nm,500 nm,600 nm\nred,1,2.5,3\n").path()).unwrap();
+    assert_eq!(named[0].0, "red");
     // Without names a row has its number, and two titles may be values.
     let unnamed = read_spectra(file("400 nm;500 nm;600 nm\n1;2,5;3\n").path()).unwrap();
     assert_eq!(

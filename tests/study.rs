@@ -106,7 +106,7 @@ fn every_offered_choice_is_accepted() {
             }
         }
     }
-    assert_eq!(tried, 33);
+    assert_eq!(tried, 35);
 }
 
 #[test]

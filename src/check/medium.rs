@@ -118,7 +118,7 @@ pub fn angles(context: &Context) -> Result<Gate, CheckError> {
     let mut batches = one_scattering(context, ANGLE_STREAM, &own, 4)?;
     for (batch, more) in batches
         .iter_mut()
-        .zip(one_scattering(context, ANGLE_STREAM + 1, &unlike, 12)?)
+        .zip(one_scattering(context, ANGLE_STREAM + 1, &unlike, 6)?)
     {
         batch.extend(more);
     }

@@ -310,3 +310,28 @@ pub fn study(plan: &Plan, effort: CheckEffort, progress: Progress) -> Result<Che
     progress(0.15);
     Ok(Checked::new(gates, quantities, subject))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Study;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn false_alarms_are_divided_between_just_the_laws_in_the_mean() {
+        let mut study = Study::default();
+        study.spectrum.wavelengths_nm = Some(vec![450.0, 650.0]);
+        study.trace.zenith_cells = 2;
+        study.trace.azimuth_cells = 4;
+        study.rig.pixels_per_side = 4;
+        let plan = Plan::new(study).unwrap();
+        let checked = self::study(&plan, CheckEffort::of_paths(4096).unwrap(), &|_| ()).unwrap();
+        let random: BTreeSet<&str> = checked
+            .gates
+            .iter()
+            .filter(|gate| gate.p.is_some())
+            .map(|gate| gate.name)
+            .collect();
+        assert_eq!(random, IN_THE_MEAN.iter().map(|law| law.name).collect());
+    }
+}

@@ -24,7 +24,7 @@ const TOLERANCE: f64 = 5e-3;
 const LEAST: f64 = 1e-9;
 /// So few paths of a batch all fly side by side from its beginning, each with random numbers of its own, whatever becomes of the others.
 const PATHS_OF_A_BATCH: u64 = 8;
-const BATCHES: usize = 128;
+const BATCHES: usize = 64;
 
 /// The study's yarn at three of its wavelengths, and the same with more absorption: each changed into the other.
 pub fn gate(context: &Context) -> Result<Gate, CheckError> {
@@ -49,8 +49,8 @@ pub fn gate(context: &Context) -> Result<Gate, CheckError> {
         )?;
         Ok(Yarn {
             medium,
-            // Independent paths are then the same whatever they lose on the way.
-            roulette: Roulette::new(1e-15, 0.5)?,
+            // Independent paths are then the same whatever they lose on the way, down to weights that do not count.
+            roulette: Roulette::new(1e-6, 0.5)?,
             estimator: Estimator::Independent,
             ..plan.yarn.clone()
         })

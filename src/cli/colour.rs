@@ -149,6 +149,8 @@ fn named(file: SpectraFile) -> Result<Spectra, Failure> {
         .first()
         .map_or_else(WavelengthGrid::preprint, |(_, samples)| samples.grid().clone());
     for (name, samples) in file.spectra {
+        // A title may have been wrapped by a spreadsheet.
+        let name = name.replace('\n', " ");
         let notices = plausibility::reflectances(&name, samples.values())?;
         all.push(Spectrum {
             name,

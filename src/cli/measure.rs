@@ -2,7 +2,7 @@ use super::{Failure, Options, Replace, Scratch, Stopping, claim, full, in_words,
 use serde::Serialize;
 use specval::output::{self, Place, beside, write_all};
 use specval::report::effort_line;
-use specval::run::{Plan, RunError, Simulator, StateFile, Watch, grazing_notice};
+use specval::run::{Plan, RunError, Simulator, Stage, StateFile, Watch, grazing_notice};
 use specval::study::MethodChoice;
 use specval::transport::Estimate;
 use specval::woven::ClothLedger;
@@ -98,9 +98,13 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         outputs.push(&energy_file);
     }
     let (places, terminal) = &claim(&outputs, &inputs, &arguments.replace, options)?;
-    let plan = study::plan(study)?;
+    let (plan, split) = arguments.stopping.limits.split(study::plan(study)?, Stage::Views)?;
     let mut notices = plan.notices();
+    notices.extend(split);
     notices.extend(grazing_notice(&plan).map_err(RunError::from)?);
+    for notice in &notices {
+        terminal.notice(notice);
+    }
     let scratch = Scratch::take(out, &inputs, arguments.stopping.limits.resume)?;
     let wavelengths = plan.grid.len();
     let stopping = &arguments.stopping;
@@ -131,7 +135,6 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         text.extend(format!("# {effort}\n").into_bytes());
     }
     for notice in &notices {
-        terminal.notice(notice);
         text.extend(format!("# {notice}\n").into_bytes());
     }
     let mut csv = csv::Writer::from_writer(text);

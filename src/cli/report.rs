@@ -3,7 +3,7 @@ use serde::Serialize;
 use specval::compare::Geometry;
 use specval::output::{NamedFile, ReportFolder};
 use specval::report::{file_names, render, report_json, summary};
-use specval::run::{self, Simulator, StateFile, Watch};
+use specval::run::{self, Simulator, Stage, StateFile, Watch};
 use specval::study::Study;
 use std::path::{Path, PathBuf};
 
@@ -55,6 +55,11 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     }
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     let plan = study::plan(study)?;
+    if let Some(notice) = plan.work_notice() {
+        terminal.notice(&notice);
+    }
+    let (plan, notice) = arguments.stopping.limits.split(plan, Stage::Views)?;
+    notices.extend(notice);
     // Refused before the simulation; the report tells what is only doubtful.
     plan.colour_notices()?;
     let geometries = run::report_geometries(&plan);

@@ -1,7 +1,9 @@
 //! When a long run stops, and how it goes on after a kill.
 
 use super::{Failure, Options, Terminal, in_words};
-use specval::run::{self, Precision, Schedule, Simulation, Simulator, StateFile, StopRule, Watch};
+use specval::run::{
+    self, Plan, Precision, RunError, Schedule, Simulation, Simulator, Stage, StateFile, StopRule, Watch,
+};
 use std::ffi::OsString;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -21,9 +23,10 @@ pub struct Stopping {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "How long")]
 pub struct Limits {
-    /// Trace no longer than this, such as 90s, 2min or 1h, but two batches in any case; the time of
-    /// a run that is resumed does not count. The sweep, with paths in proportion to
-    /// what was traced, and the graphs come on top.
+    /// Trace no longer than this, such as 90s, 2min or 1h. Where a batch of the study would take more than an eighth of that
+    /// on one core, by an estimate from the study alone, there are more and smaller ones, to the same number of paths. Two batches are
+    /// made in any case, and one that has begun is finished; the time of a run that is resumed does not count. The sweep, with
+    /// paths in proportion to what was traced, and the graphs come on top.
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub max_time: Option<Duration>,
     /// Least time between two savings of the state that --resume goes on from, more where saving would take over 5 % of the
@@ -36,6 +39,21 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// The plan with batches small enough for the time allowed, and what to tell of it.
+    pub fn split(&self, plan: Plan, stage: Stage) -> Result<(Plan, Option<String>), RunError> {
+        let Some(limit) = self.max_time else {
+            return Ok((plan, None));
+        };
+        let (plan, parts) = plan.split_for(limit, stage)?;
+        let notice = (parts > 1).then(|| {
+            format!(
+                "--max-time: {} batches of 1/{parts} of the study's size each, so that the time can be kept",
+                plan.study.trace.batches
+            )
+        });
+        Ok((plan, notice))
+    }
+
     pub fn rule(&self, until: Option<Precision>, study_batches: usize, options: &Options) -> StopRule {
         StopRule::new(until, self.max_time, study_batches, options.paths.is_some())
     }

@@ -66,7 +66,7 @@ fn read(path: &Path) -> Result<Study, LoadError> {
 /// The plan of a study. A sample or draft of another kind is told by what it is.
 pub fn plan(study: Study) -> Result<Plan, Failure> {
     let (sample, draft) = (study.measured.sample.clone(), study.weave.draft.clone());
-    Plan::new(study).map_err(|error| match (&error, draft) {
+    Plan::new(study).map_err(|error| match (error.unplaced(), draft) {
         (RunError::Sample(_), _) => expect_sample(&sample).map_or_else(Failure::from, |()| error.into()),
         (RunError::Draft(_), Some(draft)) => no_draft(error, Path::new(&draft)),
         _ => error.into(),

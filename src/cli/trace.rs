@@ -1,7 +1,7 @@
 use super::{Failure, Limits, Options, Replace, Scratch, Terminal, claim, inputs_of, study};
 use specval::output;
-use specval::report::{EnergyRow, effort_line, ledger_ranges, ledger_table};
-use specval::run::{self, Precision, PrecisionError, Schedule, Shard, Watched, YarnSums, YarnTracer};
+use specval::report::{EnergyRow, effort_line, ledger_notice, ledger_ranges, ledger_table};
+use specval::run::{self, Precision, PrecisionError, Schedule, Shard, Stage, Watched, YarnSums, YarnTracer};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -45,16 +45,21 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     for notice in plan.notices() {
         terminal.notice(&notice);
     }
-    let tracer = YarnTracer::new(&plan)?;
     match arguments.shard {
         Some(shard) => {
             arguments.expect_whole_shard()?;
+            let tracer = YarnTracer::new(&plan)?;
             let tracing = terminal.progress("tracing the yarn");
             let energy = run::trace_shard(&tracer, shard, &arguments.out, &|share| tracing.advance(share));
             tracing.finish();
             print_ledger(&energy?, None, terminal)
         }
         None => {
+            let (plan, notice) = arguments.limits.split(plan, Stage::Yarn)?;
+            if let Some(notice) = notice {
+                terminal.notice(&notice);
+            }
+            let tracer = YarnTracer::new(&plan)?;
             let scratch = Scratch::take(&arguments.out, &inputs, arguments.limits.resume)?;
             arguments.trace(&tracer, scratch, options, terminal)
         }
@@ -119,6 +124,9 @@ fn scattered(text: &str) -> Result<Precision, PrecisionError> {
 pub fn print_ledger(energy: &[EnergyRow], line: Option<String>, terminal: &Terminal) -> Result<(), Failure> {
     terminal.result(&ledger_ranges(energy), |_| {
         let mut text = ledger_table(energy);
+        if let Some(notice) = ledger_notice(energy) {
+            text += &format!("notice: {notice}\n");
+        }
         if let Some(line) = line {
             text += &line;
             text.push('\n');

@@ -102,14 +102,20 @@ mod tests {
         sum
     }
 
+    /// The values beyond the ends that the CIE gives follow straight lines, not more.
     #[test]
-    fn cubics_are_exact_on_equal_steps_and_straight_lines_on_any() {
+    fn cubics_are_exact_between_inner_values_and_straight_lines_everywhere() {
         let cubic = |nm: f64| 0.2 + 0.3 * ((nm - 500.0) / 100.0) - 0.1 * ((nm - 500.0) / 100.0).powi(3);
+        let line = |nm: f64| 0.001 * nm;
         let equal = WavelengthGrid::new((0..7).map(|i| 400.0 + 20.0 * f64::from(i)).collect()).unwrap();
-        let values: Vec<f64> = equal.nm().iter().map(|&nm| cubic(nm)).collect();
-        for nm in [400.0, 401.0, 413.7, 455.5, 501.0, 519.0, 520.0] {
-            assert!((at(&equal, &values, nm) - cubic(nm)).abs() < 1e-13, "{nm}");
+        let on = |of: &dyn Fn(f64) -> f64| equal.nm().iter().map(|&nm| of(nm)).collect::<Vec<f64>>();
+        for nm in [440.0, 441.0, 455.5, 460.0, 479.9] {
+            assert!((at(&equal, &on(&cubic), nm) - cubic(nm)).abs() < 1e-13, "{nm}");
         }
+        for nm in [400.0, 401.0, 413.7, 455.5, 501.0, 519.0, 520.0] {
+            assert!((at(&equal, &on(&line), nm) - line(nm)).abs() < 1e-13, "{nm}");
+        }
+        let values = on(&cubic);
         assert_eq!(
             (at(&equal, &values, 300.0), at(&equal, &values, 900.0)),
             (values[0], values[6])

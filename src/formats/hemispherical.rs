@@ -17,7 +17,7 @@ use super::warped::Warped;
 use crate::geometry::Vec3;
 
 /// Estimated error at which cells are no longer cut, of the largest channel's value.
-const TOLERANCE: f64 = 2e-4;
+const TOLERANCE: f64 = 3e-5;
 /// Cells at most; what is left of the error is then stated.
 const MOST_CELLS: usize = 20_000;
 /// Widest cell about the axis, in radians.
@@ -306,7 +306,7 @@ impl Component {
             sums.errors.iter_mut().zip(cell.errors).for_each(|(sum, e)| *sum += e);
         }
         // The same rule over the whole hemisphere; its error is far below any gap of a table.
-        sums.measured = sums.measured / PI;
+        sums.measured /= PI;
         if sums.measured > 1.0 - 1e-4 {
             sums.measured = 1.0;
         }

@@ -7,6 +7,7 @@
 use std::f64::consts::TAU;
 
 use super::axis::Axis;
+use super::cosine::divide_by_cosine;
 use super::detect::Format;
 use super::error::remedy;
 use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table, rounded_deg};
@@ -126,7 +127,7 @@ pub(super) fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniomet
         values,
     );
     if header.quantity == Quantity::BsdfCosine {
-        let held = grid.divide_by_cosine();
+        let held = divide_by_cosine(&mut grid);
         header.quantity = Quantity::Bsdf;
         if held > 0 {
             header.warnings.push(format!(

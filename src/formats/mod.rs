@@ -5,6 +5,7 @@
 
 mod axis;
 mod columns;
+mod cosine;
 mod csv_readings;
 mod detect;
 mod error;

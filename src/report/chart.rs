@@ -72,6 +72,11 @@ fn look(source: Source) -> Look {
     }
 }
 
+/// A standard error to draw: none of one that is not known.
+fn finite(se: f64) -> f64 {
+    if se.is_finite() { se } else { 0.0 }
+}
+
 impl Figure<'_> {
     /// One curve in order of view angle; points that are not numbers are left out.
     fn curve(&self, source: Source, channel: Channel) -> Vec<&CurvePoint> {
@@ -180,7 +185,7 @@ impl Figure<'_> {
         let (mut low, mut high) = (0.0_f64, 0.0_f64);
         for &source in self.sources {
             for point in self.curve(source, channel) {
-                let se = if point.se.is_finite() { point.se } else { 0.0 };
+                let se = finite(point.se);
                 low = low.min(point.beta - se);
                 high = high.max(point.beta + se);
             }
@@ -374,9 +379,9 @@ const STUB_DEG: f64 = 2.0;
 fn strokes(points: &[&CurvePoint]) -> Vec<(f64, f64, f64)> {
     match points {
         [point] => [-STUB_DEG, STUB_DEG]
-            .map(|shift| (point.theta_v_deg + shift, point.beta, point.se))
+            .map(|shift| (point.theta_v_deg + shift, point.beta, finite(point.se)))
             .to_vec(),
-        points => points.iter().map(|p| (p.theta_v_deg, p.beta, p.se)).collect(),
+        points => points.iter().map(|p| (p.theta_v_deg, p.beta, finite(p.se))).collect(),
     }
 }
 

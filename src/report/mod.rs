@@ -13,7 +13,7 @@ mod tables;
 
 pub use graphs::{Graph, graphs};
 pub use json::report_json;
-pub use ledger::{LedgerRange, ledger_ranges, ledger_table};
+pub use ledger::{LedgerRange, ledger_notice, ledger_ranges, ledger_table};
 pub use result::{
     AskedEffort, Convention, EffortNote, EnergyRow, InputDigest, PathsPerBatch, Provenance, ReachedPrecision,
     ReadingCount, ReportData, SampleNote, Table1Name, Table1Row,

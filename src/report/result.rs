@@ -1,6 +1,8 @@
 //! The one plain result everything in this room is a pure function of.
 
-use crate::compare::{ColourRatios, CurvePoint, Geometry, HueComparison, Normalisation, Peak, Rmse, RmseRatio};
+use crate::compare::{
+    ColourRatios, CurvePoint, Estimate, Geometry, HueComparison, Normalisation, Peak, Rmse, RmseRatio,
+};
 use serde::{Deserialize, Serialize};
 
 /// Everything a report shows. No clock, host name or path stands in it outside [`Provenance`].
@@ -43,7 +45,8 @@ pub enum Table1Name {
     ModelAllBounces,
 }
 
-/// Ratios of linear RGB at normal illumination and view; `None` where there is no such value.
+/// Ratios of linear RGB at normal illumination and view; `None` where there is no such value, or none that is known: no light was
+/// hit, or one batch too few.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Table1Row {
     pub row: Table1Name,
@@ -54,23 +57,20 @@ pub struct Table1Row {
 }
 
 impl Table1Row {
-    /// Ratios with their standard errors; none where red is as good as 0.
+    /// Ratios with their standard errors, of those that are known; none where red is as good as 0.
     pub fn estimated(row: Table1Name, ratios: &ColourRatios) -> Self {
-        if ratios.red_is_zero {
-            return Self {
-                row,
-                blue_over_red: None,
-                blue_over_red_se: None,
-                green_over_red: None,
-                green_over_red_se: None,
-            };
-        }
+        let known = |ratio: &Estimate| {
+            let value = Some(ratio.value).filter(|value| value.is_finite() && !ratios.red_is_zero);
+            [value, value.and_then(|value| known_error(value, ratio.se))]
+        };
+        let [blue_over_red, blue_over_red_se] = known(&ratios.blue_over_red);
+        let [green_over_red, green_over_red_se] = known(&ratios.green_over_red);
         Self {
             row,
-            blue_over_red: Some(ratios.blue_over_red.value),
-            blue_over_red_se: Some(ratios.blue_over_red.se),
-            green_over_red: Some(ratios.green_over_red.value),
-            green_over_red_se: Some(ratios.green_over_red.se),
+            blue_over_red,
+            blue_over_red_se,
+            green_over_red,
+            green_over_red_se,
         }
     }
 
@@ -84,6 +84,13 @@ impl Table1Row {
             green_over_red_se: None,
         }
     }
+}
+
+/// The standard error of a value, if there is one: neither undefined nor the rounding of batches that are all equal.
+pub(super) fn known_error(value: f64, se: f64) -> Option<f64> {
+    /// Rounding of a mean and its spread, relative.
+    const ROUNDING: f64 = 1e-12;
+    (se.is_finite() && se > ROUNDING * value.abs()).then_some(se)
 }
 
 /// Table 1 under one colour convention.
@@ -194,7 +201,7 @@ pub struct EffortNote {
     /// Batches made, all of the same size.
     pub batches: usize,
     pub paths_per_batch: PathsPerBatch,
-    /// "paths", "precision" or "time".
+    /// "paths", "precision" or "time"; "nothing hit" where a precision was asked for and all that it is of is 0 in every batch.
     pub stopped_by: &'static str,
     pub asked: AskedEffort,
     pub reached: Option<ReachedPrecision>,
@@ -226,7 +233,8 @@ pub struct ReachedPrecision {
     /// "curves", the luminance of the model's points, "ratios", its row of Table 1, or "scattered", that fraction of the
     /// ledger.
     pub of: &'static str,
-    pub largest_error: f64,
+    /// `None` where it is not known: some of it is 0 in every batch, or a ratio of such.
+    pub largest_error: Option<f64>,
 }
 
 /// How the result came about. The number of threads is left out: results do not depend on it.

@@ -100,10 +100,10 @@ pub fn effort_line(effort: &EffortNote) -> String {
             "scattered" => "scattered fractions",
             other => other,
         };
-        format!(
-            "; largest {kind}standard error of the {of}: {}",
-            rounded(reached.largest_error)
-        )
+        match reached.largest_error {
+            Some(error) => format!("; largest {kind}standard error of the {of}: {}", rounded(error)),
+            None => format!("; the {of} are not all known: no light was hit at some"),
+        }
     });
     format!(
         "effort: {} batches, each of {} paths a tilt and {} a direction of the ledger; stopped by {} (asked: {}){reached}",
@@ -207,5 +207,8 @@ fn verdict(ratio: &RmseRatio) -> String {
     let interval = ratio.interval.map_or_else(String::new, |[low, high]| {
         format!(", 95 % interval {} to {}", rounded(low), rounded(high))
     });
-    format!("{words} (ratio {}{interval})", rounded(ratio.ratio))
+    match ratio.ratio.is_finite() {
+        true => format!("{words} (ratio {}{interval})", rounded(ratio.ratio)),
+        false => words.into(),
+    }
 }

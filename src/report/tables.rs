@@ -1,3 +1,4 @@
+use super::result::known_error;
 use super::{ReportData, ReportError, Table1Name, Table1Row};
 use crate::compare::{Channel, Geometry, Source};
 use serde::Serialize;
@@ -17,15 +18,16 @@ pub fn table1_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
     )
 }
 
-/// `curves.csv`: one line a point; no error stands where the sample states none.
+/// `curves.csv`: one line a point; what is not known is an empty cell, as the error of a sample that states none.
 pub fn curves_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
     let rows: Vec<_> = data
         .curves
         .iter()
         .map(|p| {
-            let unknown = p.source == Source::Measured && !data.sample.uncertainty_stated && p.se == 0.0;
-            let se = (!unknown).then_some(p.se);
-            (p.theta_i_deg, p.theta_v_deg, p.source, p.channel, p.beta, se)
+            let known = |value: f64| Some(value).filter(|value| value.is_finite());
+            let unstated = p.source == Source::Measured && !data.sample.uncertainty_stated && p.se == 0.0;
+            let se = known(p.se).filter(|_| !unstated);
+            (p.theta_i_deg, p.theta_v_deg, p.source, p.channel, known(p.beta), se)
         })
         .collect();
     csv_of(
@@ -186,23 +188,25 @@ pub(super) fn where_normalised(data: &ReportData) -> String {
     )
 }
 
-/// A value and its standard error to the two leading digits of the error: 0.931 ± 0.012. An error of 0, or of a rounding, is
-/// none: a dash; a value that is no number is a dash.
+/// A value and its standard error to the two leading digits of the error: 0.931 ± 0.012. A dash stands for what is not known.
 pub(super) fn with_error(value: f64, se: f64) -> String {
-    const ROUNDING: f64 = 1e-12;
-    if !value.is_finite() {
-        return "–".to_owned();
-    }
-    if !se.is_finite() || se <= ROUNDING * value.abs() {
+    let Some(se) = known_error(value, se) else {
         return format!("{} ± –", rounded(value));
-    }
+    };
     let decimals = (1.0 - se.log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.decimals$} ± {se:.decimals$}")
 }
 
 /// Three significant digits without zeros at the end, which would claim a precision published values do not have; the
 /// exact numbers stand in the CSV tables.
+/// A value that is not known is a dash.
 pub(super) fn rounded(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    if value == 0.0 {
+        return "0".into();
+    }
     let text = format!("{value:.2e}");
     // What was just formatted as a number reads back as one.
     text.parse::<f64>().map_or(text, |shorter| {

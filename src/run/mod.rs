@@ -11,6 +11,7 @@ mod full;
 mod grazing;
 mod inputs;
 mod light;
+mod memory;
 mod plan;
 mod reabsorb;
 mod readings;
@@ -20,6 +21,7 @@ mod state;
 mod stop;
 mod trace;
 mod watch;
+mod work;
 
 pub use approximations::{ApproximationRow, LocalityRow, approximations, locality};
 pub use artefact::{
@@ -37,6 +39,7 @@ pub(crate) use grazing::hemisphere;
 pub use grazing::{grazing_notice, white_albedo};
 pub use inputs::{input_files, sample_files};
 pub use light::{FactorCloth, VolumetricCloth};
+pub use memory::{Stage, bytes as memory_bytes, check_memory, refuse_beyond};
 pub use plan::{Plan, RunError, medium, unit_notices};
 pub(crate) use plan::{dye_on, medium_spec};
 pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};

@@ -222,7 +222,9 @@ impl Plan {
 
     /// What makes numbers of this study doubtful whatever is done with them, for the user.
     pub fn notices(&self) -> Vec<String> {
-        unit_notices(&self.study)
+        let mut notices = unit_notices(&self.study);
+        notices.extend(self.work_notice());
+        notices
     }
 
     /// What makes the colours of model and sample doubtful, for the user; what needs no colour needs none of it.
@@ -380,11 +382,17 @@ impl MediumSpectra {
     /// `section` is what errors call it.
     fn read(section: &'static str, of: &MediumSection, grid: &WavelengthGrid) -> Result<Self, RunError> {
         let read = |key, of| number_or_table(section, key, of, grid);
+        let dye = dye(section, &of.dye)?;
+        dye.on(grid).map_err(|source| RunError::Table {
+            section,
+            key: "dye",
+            source,
+        })?;
         Ok(Self {
             host_index: read("host_index", &of.host_index)?,
             host_mu_a_per_mm: read("host_mu_a_per_mm", &of.host_mu_a_per_mm)?,
             particle_index: read("particle_index", &of.particle_index)?,
-            dye: dye(section, &of.dye)?,
+            dye,
         })
     }
 

@@ -126,6 +126,8 @@ pub fn report(
                 .into(),
         );
     }
+    let energy = energy_rows(plan.grid.nm(), &plan.incident, &simulation.ledgers);
+    notices.extend(shown::ledger_notice(&energy));
     let sweep = sweep(plan, simulation.effort.batches, &mut notices, progress)?;
     let orders = orders(plan, simulation.effort.batches)?;
     let mut table1 = table1(plan, curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
@@ -170,7 +172,7 @@ pub fn report(
         },
         table1,
         conventions,
-        energy: energy_rows(plan.grid.nm(), &plan.incident, &simulation.ledgers),
+        energy,
         normalisation: comparison.and_then(|c| c.normalisation),
         rmse: comparison.map(|c| c.rmse.clone()).unwrap_or_default(),
         peaks: comparison.map(|c| c.peaks.clone()).unwrap_or_default(),

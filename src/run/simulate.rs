@@ -1,7 +1,7 @@
 use super::light::{LightBetween, LitBatch, LitViews, lit_views};
 use super::{
-    CameraBatch, Gather, Outcome, Plan, Precision, RunError, Schedule, SpectralCurves, StateFile, StopRule,
-    VolumetricCloth, Watch, gather,
+    CameraBatch, Gather, Outcome, Plan, Precision, RunError, Schedule, SpectralCurves, Stage, StateFile, StopRule,
+    VolumetricCloth, Watch, check_memory, gather,
 };
 use crate::compare::Geometry;
 use crate::report::{AskedEffort, EffortNote, EnergyRow, PathsPerBatch, ReachedPrecision};
@@ -47,7 +47,10 @@ impl<'a> Simulator<'a> {
     /// Batches to have under way at once; each holds a table of f*.
     pub const ROUND: usize = 4;
 
+    /// # Errors
+    /// A study whose tables do not fit into the memory that is free.
     pub fn new(plan: &'a Plan, geometries: Vec<Geometry>) -> Result<Self, RunError> {
+        check_memory(&plan.study, Stage::Views)?;
         let shading = |yarn: &'a Yarn| -> Result<Shading<'a>, RunError> {
             Ok(match plan.study.trace.shade_with {
                 ShadeWith::Direct => {
@@ -262,7 +265,7 @@ pub(super) fn effort_note(plan: &Plan, rule: &StopRule, outcome: &Outcome, watch
         reached: outcome.reached.map(|largest_error| ReachedPrecision {
             tolerance: watched.tolerance.word(),
             of: watched.of.word(),
-            largest_error,
+            largest_error: Some(largest_error).filter(|error| error.is_finite()),
         }),
     }
 }

@@ -20,6 +20,8 @@ pub enum StoppedBy {
     Paths,
     Precision,
     Time,
+    /// All that the precision is of is 0 in every batch.
+    NothingHit,
 }
 
 impl StoppedBy {
@@ -29,6 +31,7 @@ impl StoppedBy {
             Self::Paths => "paths",
             Self::Precision => "precision",
             Self::Time => "time",
+            Self::NothingHit => "nothing hit",
         }
     }
 }
@@ -38,6 +41,8 @@ impl StopRule {
     pub const LEAST: usize = 2;
     /// Batches before precision is asked: the standard error of fewer is itself too uncertain (25 % of it with 8).
     pub const LEAST_FOR_PRECISION: usize = 8;
+    /// Batches after which what is 0 in each of them is no longer waited for.
+    pub const LEAST_FOR_NOTHING: usize = 64;
     /// Batches of a run that waits for its precision.
     pub const MOST: usize = 100_000;
 
@@ -57,14 +62,18 @@ impl StopRule {
         }
     }
 
-    /// Whether the run ends with this many batches; `error` is the largest of the watched standard errors, and is asked
+    /// Whether the run ends with this many batches; `error` is [`Self::largest_error`] of what is watched, and is asked
     /// for only where it decides. Depends on nothing but the batches, unlike [`Self::is_out_of_time`].
     pub fn reached(&self, batches: usize, error: impl FnOnce() -> Option<f64>) -> Option<StoppedBy> {
-        let precise = |precision: &Precision| {
-            batches >= Self::LEAST_FOR_PRECISION && error().is_some_and(|error| error <= precision.tolerance.size())
-        };
-        if self.precision.as_ref().is_some_and(precise) {
-            Some(StoppedBy::Precision)
+        let by_precision = self
+            .precision
+            .filter(|_| batches >= Self::LEAST_FOR_PRECISION)
+            .and_then(|precision| match error() {
+                Some(error) => (error <= precision.tolerance.size()).then_some(StoppedBy::Precision),
+                None => (batches >= Self::LEAST_FOR_NOTHING).then_some(StoppedBy::NothingHit),
+            });
+        if by_precision.is_some() {
+            by_precision
         } else if batches >= self.batches {
             Some(StoppedBy::Paths)
         } else {
@@ -108,14 +117,24 @@ impl Tolerance {
         }
     }
 
-    /// A standard error as the tolerance counts it. No value at all (0) is known with no relative error only if it has
-    /// none.
+    /// A standard error as the tolerance counts it. Of 0 ± 0 nothing is known: no path that would tell was among those traced.
     pub fn error(&self, value: f64, se: f64) -> f64 {
         match self {
-            Self::Relative(_) if se == 0.0 => 0.0,
+            _ if value == 0.0 && se == 0.0 => f64::INFINITY,
             Self::Relative(_) => se / value.abs(),
             Self::Absolute(_) => se,
         }
+    }
+
+    /// The largest standard error of values and their standard errors after so many batches, as the tolerance counts it. What is
+    /// 0 ± 0 after [`StopRule::LEAST_FOR_NOTHING`] of them is left out; `None` where that is all.
+    pub fn largest_error(&self, batches: usize, estimates: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+        let hit = |(value, se): &(f64, f64)| batches < StopRule::LEAST_FOR_NOTHING || *value != 0.0 || *se != 0.0;
+        // In this order NaN is the largest, and no precision is ever reached with one.
+        estimates
+            .filter(hit)
+            .map(|(value, se)| self.error(value, se))
+            .max_by(f64::total_cmp)
     }
 }
 

@@ -1,6 +1,6 @@
 use super::artefact::{YarnArtefact, YarnLayout};
 use super::simulate::effort_note;
-use super::{Gather, Plan, Precision, RunError, Schedule, Tolerance, Watched, gather};
+use super::{Gather, Plan, Precision, RunError, Schedule, Stage, Tolerance, Watched, check_memory, gather};
 use crate::report::EffortNote;
 use crate::transport::{BatchSums, Ledger};
 use crate::yarn::{DirectBatch, DirectTracer, EnergyTracer, LengthBins, LengthSums, LengthTally, PatchTracer};
@@ -36,7 +36,10 @@ impl<'a> YarnTracer<'a> {
     /// Batches to have under way at once. Each takes hundreds of megabytes, and keeps all threads busy by itself.
     pub const ROUND: usize = 1;
 
+    /// # Errors
+    /// A study whose tables do not fit into the memory that is free.
     pub fn new(plan: &'a Plan) -> Result<Self, RunError> {
+        check_memory(&plan.study, Stage::Yarn)?;
         let (yarn, factors) = (&plan.yarn, plan.factor_grid);
         let lengths = LengthBins::new(yarn.cylinder.radius_mm(), LengthBins::DEFAULT)?;
         Ok(Self {
@@ -172,10 +175,8 @@ fn largest_error(scattered: &BatchSums, tolerance: Tolerance) -> Option<f64> {
     if scattered.batches < 2 {
         return None;
     }
-    (0..scattered.sum.len())
-        .map(|i| scattered.estimate(i))
-        .map(|estimate| tolerance.error(estimate.value, estimate.se))
-        .max_by(f64::total_cmp)
+    let estimates = (0..scattered.sum.len()).map(|i| scattered.estimate(i));
+    tolerance.largest_error(scattered.batches as usize, estimates.map(|e| (e.value, e.se)))
 }
 
 /// Traces until the schedule's rule says stop; its precision is that of the ledger's scattered fractions. Goes on from

@@ -18,6 +18,8 @@ pub struct Watch<'a> {
     normal: Option<usize>,
     /// Measured luminance at the normal, where the curves are normalised to it.
     measured: Option<f64>,
+    /// Whether diffuse light was seen at each geometry in any batch: gloss is known without.
+    hit: Vec<bool>,
     /// Of each batch: luminance at each geometry, or linear RGB of the diffuse light at the normal.
     batches: Vec<Vec<f64>>,
 }
@@ -53,6 +55,7 @@ impl<'a> Watch<'a> {
             gloss: geometries.iter().map(|g| gloss(plan, *g)).collect(),
             normal,
             measured: reading.map(|reading| reading.beta[3]),
+            hit: vec![false; geometries.len()],
             batches: Vec::new(),
         })
     }
@@ -64,6 +67,9 @@ impl<'a> Watch<'a> {
     /// `diffuse` is β at [geometry][wavelength] of one batch.
     pub(super) fn add(&mut self, diffuse: &[Vec<f64>]) {
         let colour = &self.plan.colour;
+        for (hit, beta) in self.hit.iter_mut().zip(diffuse) {
+            *hit |= beta.iter().any(|b| *b != 0.0);
+        }
         self.batches.push(match self.precision.of {
             Watched::Curves => std::iter::zip(diffuse, &self.gloss)
                 .map(|(beta, gloss)| {
@@ -83,17 +89,21 @@ impl<'a> Watch<'a> {
         });
     }
 
-    /// Largest of the standard errors, as the precision counts them; none for fewer than two batches.
+    /// Largest of the standard errors, as the precision counts them; none for fewer than two batches, and where no light was hit
+    /// in as many as [`super::StopRule::LEAST_FOR_NOTHING`].
     pub(super) fn largest_error(&self) -> Option<f64> {
         if self.batches.len() < 2 {
             return None;
         }
         let of = |place: usize| self.batches.iter().map(move |batch| batch[place]);
+        let unknown = Estimate { value: 0.0, se: 0.0 };
         let estimates: Vec<Estimate> = match (self.precision.of, self.normal, self.measured) {
             (Watched::Scattered, ..) => return None,
+            (Watched::Ratios, Some(normal), _) if !self.hit[normal] => vec![unknown],
             (Watched::Ratios, ..) => [2, 1].map(|channel| ratio(of(channel), of(0))).to_vec(),
             (Watched::Curves, Some(normal), Some(measured)) => (0..self.gloss.len())
                 .map(|place| match place {
+                    _ if !self.hit[place] => unknown,
                     _ if place == normal => Estimate::from_batches(of(place)),
                     _ => {
                         let Estimate { value, se } = ratio(of(place), of(normal));
@@ -105,12 +115,14 @@ impl<'a> Watch<'a> {
                 })
                 .collect(),
             (Watched::Curves, ..) => (0..self.gloss.len())
-                .map(|place| Estimate::from_batches(of(place)))
+                .map(|place| match self.hit[place] {
+                    true => Estimate::from_batches(of(place)),
+                    false => unknown,
+                })
                 .collect(),
         };
-        let errors = estimates.iter().map(|e| self.precision.tolerance.error(e.value, e.se));
-        // In this order NaN is the largest, and no precision is ever reached with one.
-        errors.max_by(f64::total_cmp)
+        let estimates = estimates.iter().map(|e| (e.value, e.se));
+        self.precision.tolerance.largest_error(self.batches.len(), estimates)
     }
 }
 

@@ -8,6 +8,8 @@ use super::goniometric::GoniometricData;
 use super::{Description, PublishedRatios, Sample, SampleError, Uncertainty};
 use crate::formats::{self, Format, Goniometric, ReadOptions};
 use crate::spectrum::UnknownName;
+use crate::text::encoding::beginning;
+use crate::text::is_titled;
 
 struct BuiltIn {
     name: &'static str,
@@ -137,11 +139,12 @@ impl Sample {
 
 /// Whether a CSV has readings outside the plane of incidence, in the columns of `formats`.
 fn is_over_the_sphere(bytes: &[u8]) -> bool {
-    let lines = bytes.split(|&b| b == b'\n');
-    let mut lines = lines.filter(|line| !line.starts_with(b"#") && !line.trim_ascii().is_empty());
-    lines
-        .next()
-        .is_some_and(|header| header.windows(9).any(|w| w == b"phi_o_deg"))
+    const HEAD: usize = 64 << 10;
+    let text = beginning(&bytes[..bytes.len().min(HEAD)]);
+    let is_comment = |line: &str| line.trim_start_matches(['"', ' ']).starts_with('#') || line.trim().is_empty();
+    let mut lines = text.split(['\n', '\r']).filter(|line| !is_comment(line));
+    // A line `sep=;` may stand before the header.
+    lines.by_ref().take(2).any(|line| is_titled(line, "phi_o_deg"))
 }
 
 fn digest(bytes: &[u8]) -> String {

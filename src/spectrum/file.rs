@@ -80,7 +80,7 @@ impl SpectraFile {
     /// Reads any number of named spectra on common wavelengths, values of any sign and size.
     ///
     /// CSV: columns `wavelength_nm,<name>,<name>,…` with a row a wavelength, or columns titled with a wavelength in nm (`390`,
-    /// `R390`, `390 nm`) with a row a spectrum; in the second a column `name` names them, and other columns are notes and skipped.
+    /// `R390`, `390 nm`) with a row a spectrum; in the second a column `name`, or the only other one, names them, and more columns are notes and skipped.
     /// CGATS-like text: fields such as `SPEC_390`, `SPECTRAL_NM390`, `390_NM` or `nm390` with a set a spectrum, or a field
     /// `WAVELENGTH` or `SPECTRAL_NM` with a set a wavelength; values are over `SPECTRAL_NORM` where that is stated.
     ///
@@ -205,8 +205,12 @@ impl Source {
             Self::Csv(table) => table,
             Self::Cgats(cgats) => return of_cgats(cgats, values),
         };
-        let names = table.column("name");
-        let titled = || table.columns().iter().filter(|title| band_nm(title).is_some()).count();
+        let is_band = |column: &usize| band_nm(&table.columns()[*column]).is_some();
+        let titled = || (0..table.columns().len()).filter(is_band).count();
+        // A single column beside those of wavelengths names the rows, whatever its title.
+        let mut others = (0..table.columns().len()).filter(|column| !is_band(column));
+        let only_other = others.next().filter(|_| others.next().is_none());
+        let names = table.column("name").or(only_other.filter(|_| titled() >= 3));
         match table.column("wavelength_nm") {
             Some(wavelengths) => by_wavelength(table, wavelengths, values),
             // Without names, two numbers may as well be the first row of a table that has no header.

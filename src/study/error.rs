@@ -38,13 +38,16 @@ pub enum StudyError {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     pub file: String,
-    /// From 1.
+    /// From 1; 0 for a default of what the file leaves out.
     pub line: usize,
 }
 
 impl std::fmt::Display for Place {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}, line {}", self.file, self.line)
+        match self.line {
+            0 => f.write_str(&self.file),
+            line => write!(f, "{}, line {line}", self.file),
+        }
     }
 }
 

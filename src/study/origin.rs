@@ -25,12 +25,12 @@ impl Origin {
         }
     }
 
-    /// Where a key, as `section.key`, has its value; `None` for a default, or a value that came from elsewhere.
+    /// Where a key, as `section.key`, has its value: in the file as a whole for one that it leaves out; `None` without a file.
     pub fn place(&self, key: &str) -> Option<Box<Place>> {
-        self.lines.get(key).map(|&line| {
+        (!self.file.is_empty()).then(|| {
             Box::new(Place {
                 file: self.file.clone(),
-                line,
+                line: self.lines.get(key).copied().unwrap_or(0),
             })
         })
     }

@@ -10,7 +10,7 @@ const COMMENTS: usize = 20;
 
 impl CsvTable {
     /// Reads CSV with one header line: fields perhaps in double quotes, separated by commas, semicolons or tabs, whichever
-    /// the header has most of, or the one that a first line `sep=;` names.
+    /// the header has most of, by white space where it has none of them, or by the one that a first line `sep=;` names.
     ///
     /// Passed over: comments (`#`), empty rows, empty cells behind the last column, a row of units below the header, a column of
     /// row numbers without a title. Decimal commas are read where a comma separates nothing, and the notices say so.
@@ -29,7 +29,8 @@ impl CsvTable {
     pub(crate) fn parse_text(name: &str, text: &str) -> Result<Self, Box<CsvError>> {
         let mut table = Self::new(name);
         table.header_line = text.lines().count().max(1);
-        let mut rows = Rows::new(text);
+        let spaced = tabbed(text);
+        let mut rows = Rows::new(spaced.as_deref().unwrap_or(text));
         let mut decimals = Decimals::default();
         while let Some(row) = rows.next(&mut table.comments) {
             let row = row.map_err(|e| table.error(e.line, None, e.expected, &e.found, Some(e.remedy)))?;
@@ -301,6 +302,39 @@ impl<'t> Rows<'t> {
     }
 }
 
+/// A text whose fields are separated by white space alone, with tabs in its place; `None` for other texts.
+fn tabbed(text: &str) -> Option<String> {
+    let is_comment = |line: &str| line.trim_start_matches([' ', '\t', '"']).starts_with('#');
+    let header = text.lines().find(|line| !line.trim().is_empty() && !is_comment(line))?;
+    let mut quoted = false;
+    let mut bare = header.trim().chars().filter(|&c| {
+        quoted ^= c == '"';
+        !quoted
+    });
+    if header.contains([',', ';', '\t']) || !bare.any(|c| c == ' ') {
+        return None;
+    }
+    let mut tabbed = String::with_capacity(text.len());
+    for line in text.lines() {
+        if is_comment(line) {
+            tabbed += line;
+        } else {
+            let mut quoted = false;
+            for c in line.trim().chars() {
+                quoted ^= c == '"';
+                match c {
+                    ' ' | '\t' if quoted => tabbed.push(c),
+                    ' ' | '\t' if tabbed.ends_with('\t') => {}
+                    ' ' | '\t' => tabbed.push('\t'),
+                    c => tabbed.push(c),
+                }
+            }
+        }
+        tabbed.push('\n');
+    }
+    Some(tabbed)
+}
+
 /// The separator that a header has most of outside quotes.
 fn separator_of(header: &str) -> u8 {
     let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
@@ -398,6 +432,8 @@ mod tests {
             "wavelength_nm,,red\n390,,0.25\n400,,0.5\n",
             "Wavelength (nm), red\n390, 0.25\n400, \"0.5\"\n",
             "lambda,red\nnm,1\n390,0.25\n400,0.5\n",
+            "# by R\n\"wavelength_nm\" \"red\"\n\"1\" 390 0.25\n\"2\" 400 0.5\n",
+            "wavelength_nm   red\n  390      0.25\n  400      0.5\n",
             "wl,red\n(nm),\n390,0.25\n400,0.5\n",
             "\"# study, seed 1\",\n# more,\nwavelength_nm,red\n390,0.25\n400,0.5\n",
         ] {

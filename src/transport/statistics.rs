@@ -11,7 +11,8 @@ impl Estimate {
     /// Mean of equally weighted batches, summed in their order, and the standard error of that mean; 0 for one batch.
     pub fn from_batches(batches: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
         let n = batches.len() as f64;
-        let value = batches.clone().sum::<f64>() / n;
+        // A sum of zeros can be −0, which is no value of its own.
+        let value = batches.clone().sum::<f64>() / n + 0.0;
         let square: f64 = batches.map(|x| (x - value) * (x - value)).sum();
         Self {
             value,
@@ -26,7 +27,7 @@ impl Estimate {
     /// The same from Σ x and Σ x² of so many batches.
     pub fn from_sums(batches: u64, sum: f64, square: f64) -> Self {
         let n = batches as f64;
-        let value = sum / n;
+        let value = sum / n + 0.0;
         let spread = (square / n - value * value).max(0.0);
         Self {
             value,

@@ -77,6 +77,34 @@ fn interference_takes_away_what_percus_yevick_says() {
     }
 }
 
+/// The factor is in the phase function itself, at every angle: over that at sin(θ/2) = ¾, so that the normalisation cancels,
+/// against the two factors worked out apart.
+#[test]
+fn interference_shapes_the_phase_function() {
+    let spec = MediumSpec {
+        interference: Interference::PercusYevick,
+        ..cotton()
+    };
+    let grid = WavelengthGrid::preprint();
+    for medium in [medium(&spec), Medium::with_phase_nodes(&spec, &grid, 257).unwrap()] {
+        for (i, nm) in grid.nm().iter().enumerate() {
+            let x = PI * 150.0 * 1.557 / nm;
+            let sphere = specval::optics::Mie::sphere((1.61 / 1.557).into(), x).unwrap();
+            let product = |sine: f64| {
+                let structure = specval::optics::percus_yevick(4.0 * x * sine, 0.14);
+                sphere.unpolarised(1.0 - 2.0 * sine * sine) * structure
+            };
+            let found = |sine: f64| medium.phase(i).pdf(1.0 - 2.0 * sine * sine);
+            // sin(θ/2), at nodes of every table.
+            for k in 0..=16 {
+                let sine = f64::from(k) / 16.0;
+                let error = relative(found(sine) / found(0.75), product(sine) / product(0.75));
+                assert!(error <= 1e-9, "{nm} nm, sin(θ/2) = {sine}: off by {error:e}");
+            }
+        }
+    }
+}
+
 /// The quadrature of the structure factor has converged where it is sharpest: dense and large spheres.
 #[test]
 fn dense_large_spheres_agree_with_a_finer_quadrature() {

@@ -195,7 +195,7 @@ pub fn data() -> ReportData {
                 reached: Some(ReachedPrecision {
                     tolerance: "rel",
                     of: "curves",
-                    largest_error: 0.0098,
+                    largest_error: Some(0.0098),
                 }),
             },
             fallbacks: vec!["none asked for".to_owned()],

@@ -1,8 +1,9 @@
 //! Nodes of a table that is resampled, closer where its values bend.
 
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BinaryHeap};
 
-use super::super::{Component, Table};
+use super::super::{Component, Parameters, Table};
 use super::WriteError;
 use super::balance::hemispherical;
 use super::sampling::Sampler;
@@ -56,8 +57,7 @@ fn refined(
 impl<'a> Probe<'a> {
     pub(super) fn new(component: &'a Component, sampler: Sampler<'a>, theta_i_deg: &[f64], phi_i_deg: &[f64]) -> Self {
         let mut incidences_deg = Vec::new();
-        // Klems patches are wider than any even step, and have no bends to find.
-        if !matches!(component.table, Table::Klems(_)) {
+        if !is_coarse(component) {
             for &theta in theta_i_deg {
                 for &phi in phi_i_deg {
                     if let Some(found) = hemispherical(component, theta, phi) {
@@ -99,15 +99,13 @@ impl<'a> Probe<'a> {
         let polar = refined(polar, most_polar, |a, b| {
             let middle = 0.5 * (a + b);
             for theta in [a, middle, b] {
-                if !rows.contains_key(&theta.to_bits()) {
-                    let mut row = Vec::new();
-                    for (incidence, _) in &self.incidences_deg {
-                        for &phi in &probed {
-                            row.push(value(*incidence, theta, phi)?);
-                        }
-                    }
-                    rows.insert(theta.to_bits(), row);
-                }
+                keep(&mut rows, theta, || {
+                    let places = self
+                        .incidences_deg
+                        .iter()
+                        .flat_map(|(i, _)| probed.iter().map(move |&phi| (*i, phi)));
+                    places.map(|(incidence, phi)| value(incidence, theta, phi)).collect()
+                })?;
             }
             let [low, mid, high] = [a, middle, b].map(|theta| &rows[&theta.to_bits()]);
             let mut worst = 0.0f64;
@@ -127,15 +125,13 @@ impl<'a> Probe<'a> {
         let around = refined(around, most_around, |a, b| {
             let middle = 0.5 * (a + b);
             for phi in [a, middle, b] {
-                if !columns.contains_key(&phi.to_bits()) {
-                    let mut column = Vec::new();
-                    for (incidence, _) in &self.incidences_deg {
-                        for &theta in &polar {
-                            column.push(value(*incidence, theta, phi)?);
-                        }
-                    }
-                    columns.insert(phi.to_bits(), column);
-                }
+                keep(&mut columns, phi, || {
+                    let places = self
+                        .incidences_deg
+                        .iter()
+                        .flat_map(|(i, _)| polar.iter().map(move |&theta| (*i, theta)));
+                    places.map(|(incidence, theta)| value(incidence, theta, phi)).collect()
+                })?;
             }
             let [low, mid, high] = [a, middle, b].map(|phi| &columns[&phi.to_bits()]);
             let mut worst = 0.0f64;
@@ -153,6 +149,35 @@ impl<'a> Probe<'a> {
         })?;
         Ok([polar, around])
     }
+}
+
+/// Steps in degrees from which on a source's own nodes hold no lobe that the even ones of a table would miss.
+const COARSE_DEG: f64 = 5.0 - 1e-6;
+
+/// Whether a source has no closer nodes than a table of even steps: patches, and spherical grids of wide polar steps.
+fn is_coarse(component: &Component) -> bool {
+    match &component.table {
+        Table::Klems(_) => true,
+        Table::Grid(grid) if *grid.parameters() == Parameters::Spherical => {
+            let polar = grid.axes()[2].nodes_rad();
+            polar
+                .windows(2)
+                .all(|pair| (pair[1] - pair[0]).to_degrees() >= COARSE_DEG)
+        }
+        _ => false,
+    }
+}
+
+/// Values at an angle, worked out once.
+fn keep(
+    all: &mut BTreeMap<u64, Vec<f64>>,
+    angle_deg: f64,
+    values: impl FnOnce() -> Result<Vec<f64>, WriteError>,
+) -> Result<(), WriteError> {
+    if let Entry::Vacant(vacant) = all.entry(angle_deg.to_bits()) {
+        vacant.insert(values()?);
+    }
+    Ok(())
 }
 
 fn every_third(nodes: &[f64]) -> Vec<f64> {

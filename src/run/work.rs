@@ -1,0 +1,147 @@
+//! How much work a batch is, from the study alone: a run that is to end in time takes batches small enough for it, the same ones
+//! whenever it is repeated.
+
+use super::memory::Stage;
+use super::{Plan, RunError};
+use crate::number::shown;
+use crate::study::{MethodChoice, ShadeWith};
+use crate::yarn::{Estimator, Yarn};
+use std::time::Duration;
+
+/// Seconds of a path of shared wavelengths and of one of a single wavelength, of a particle met on them, of a particle that goes from
+/// yarn to yarn by f* and through media, and of a camera ray: on one core of 2020, 35 wavelengths.
+const SHARED_PATH: f64 = 0.4e-6;
+const SHARED_SCATTERING: f64 = 1e-7;
+const SINGLE_PATH: f64 = 0.2e-6;
+const SINGLE_SCATTERING: f64 = 0.7e-7;
+const BY_FACTOR: f64 = 30e-6;
+const THROUGH_MEDIA: f64 = 6e-6;
+const CAMERA_RAY: f64 = 2e-6;
+const WAVELENGTHS: f64 = 35.0;
+
+/// A batch takes at most this part of the time allowed, by the estimate: two are made in any case, and the estimate may be short.
+const SHARE_OF_TIME: f64 = 0.125;
+/// Paths a tilt of a batch below which it is not made smaller, and most batches of a study.
+const LEAST_PATHS: u64 = 16;
+const MOST_BATCHES: u32 = 100_000;
+
+/// Particles met on a path from which on the user is told.
+const MANY_SCATTERINGS: f64 = 1000.0;
+
+impl Plan {
+    /// Particles that a path meets in a yarn, in the mean and about. Of light that comes from everywhere and is not absorbed the mean
+    /// way through a body is 4 n² times its volume over its surface, whatever scatters in it (Blanco and Fournier 2003), 2 n² R in a
+    /// cylinder; absorption shortens it. A path of shared wavelengths lasts as long as that of the least absorbed.
+    pub fn scatterings_per_path(&self) -> f64 {
+        self.different_yarns().map(scatterings).fold(0.0, f64::max)
+    }
+
+    /// That the medium makes paths long, in words.
+    pub fn work_notice(&self) -> Option<String> {
+        let particles = self.scatterings_per_path();
+        (particles > MANY_SCATTERINGS).then(|| {
+            let medium = |yarn: &Yarn| {
+                let strongest = yarn.medium.mu_s_per_mm().iter().copied().fold(0.0, f64::max);
+                let index = yarn.medium.host_index().iter().copied().fold(0.0, f64::max);
+                (strongest, index)
+            };
+            let (strongest, index) = self.different_yarns().map(medium).fold((0.0f64, 0.0f64), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+            format!(
+                "a path meets about {} particles in a yarn (3 in the default study), so tracing takes that much longer: \
+                 mu_s is up to {} 1/mm, and of light in a host of index {} total reflection keeps most inside; bring `host_index` \
+                 nearer to `particle_index`, lower `volume_fraction`, or trace fewer paths",
+                shown(round_to_two(particles)),
+                shown(round_to_two(strongest)),
+                shown(index)
+            )
+        })
+    }
+
+    /// This plan with batches small enough that `limit` can be kept: a power of two times as many, each of so much fewer paths; and
+    /// how many times as many. It depends on the study and the limit alone.
+    ///
+    /// # Errors
+    /// None for a study that a plan was made of.
+    pub fn split_for(self, limit: Duration, stage: Stage) -> Result<(Self, u32), RunError> {
+        let allowed = SHARE_OF_TIME * limit.as_secs_f64();
+        let (paths, fixed) = self.batch_seconds(stage);
+        let trace = &self.study.trace;
+        let possible = |parts: u32| {
+            let batches = trace.batches.saturating_mul(parts);
+            batches <= MOST_BATCHES && trace.paths_direct / u64::from(batches) >= LEAST_PATHS
+        };
+        let mut parts = 1;
+        while paths / f64::from(parts) + fixed > allowed && possible(2 * parts) {
+            parts *= 2;
+        }
+        if parts == 1 {
+            return Ok((self, 1));
+        }
+        let mut study = self.study;
+        study.trace.batches *= parts;
+        // Each batch has one at least.
+        let batches = u64::from(study.trace.batches);
+        let trace = &mut study.trace;
+        for paths in [
+            &mut trace.paths_bssrdf,
+            &mut trace.particles,
+            &mut trace.particles_volumetric,
+        ] {
+            *paths = (*paths).max(batches);
+        }
+        Ok((Self::new(study)?, parts))
+    }
+
+    /// Seconds of one batch on one core: those in proportion to its paths, and the others.
+    fn batch_seconds(&self, stage: Stage) -> (f64, f64) {
+        let trace = &self.study.trace;
+        let of_batch = |paths: u64| paths as f64 / f64::from(trace.batches);
+        let wavelengths = self.grid.len() as f64;
+        let many = (wavelengths / WAVELENGTHS).max(0.2);
+        let path = |yarn: &Yarn| match yarn.estimator_in_use() {
+            Estimator::Shared => many * (SHARED_PATH + SHARED_SCATTERING * scatterings(yarn)),
+            Estimator::Independent => wavelengths * (SINGLE_PATH + SINGLE_SCATTERING * scatterings(yarn)),
+        };
+        let paths: f64 = self.different_yarns().map(path).sum();
+        let direct = of_batch(trace.paths_direct) * f64::from(trace.tilts) * paths;
+        let patch = of_batch(trace.paths_bssrdf) * self.incident.traced() as f64 * path(&self.yarn);
+        let incidences = self.rig.incidences_deg().len() as f64;
+        let camera = (self.pixels.count() * self.rig.views_deg().len()) as f64 * CAMERA_RAY;
+        match (stage, self.study.cloth.method, trace.shade_with) {
+            (Stage::Yarn, ..) => (direct + 2.0 * patch, 0.0),
+            (_, MethodChoice::Volumetric, _) => {
+                let particles = of_batch(trace.particles_volumetric) * incidences;
+                (patch + particles * (many * THROUGH_MEDIA + paths), 0.0)
+            }
+            (_, MethodChoice::RadianceFactor, shade_with) => {
+                let tables = match shade_with {
+                    ShadeWith::Direct => direct,
+                    ShadeWith::Bssrdf => patch,
+                };
+                let between = of_batch(trace.particles) * incidences * many * BY_FACTOR;
+                (patch + tables + between, camera)
+            }
+        }
+    }
+}
+
+fn scatterings(yarn: &Yarn) -> f64 {
+    let medium = &yarn.medium;
+    let way_mm = |w: usize| {
+        let n = medium.host_index()[w];
+        1.0 / (medium.mu_a_per_mm()[w] + 1.0 / (2.0 * n * n * yarn.cylinder.radius_mm()))
+    };
+    let wavelengths = medium.mu_s_per_mm().len();
+    let mean = |of: &dyn Fn(usize) -> f64| (0..wavelengths).map(of).sum::<f64>() / wavelengths as f64;
+    match yarn.estimator_in_use() {
+        Estimator::Shared => {
+            let longest = (0..wavelengths).map(way_mm).fold(0.0, f64::max);
+            longest * mean(&|w| medium.mu_s_per_mm()[w])
+        }
+        Estimator::Independent => mean(&|w| way_mm(w) * medium.mu_s_per_mm()[w]),
+    }
+}
+
+fn round_to_two(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
+}
