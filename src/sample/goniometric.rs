@@ -29,8 +29,21 @@ impl GoniometricData {
             found,
         };
         let Some(component) = data.component(Scatter::Reflection, Side::Front) else {
-            return Err(refuse("reflection of light from the front", "none in the file".into()));
+            let there: Vec<String> = data.components.iter().map(Component::words).collect();
+            let remedy = "`specval convert FILE OUT --side back` writes what comes from the back as a file of its own";
+            let found = format!("{}; {remedy}", there.join(", "));
+            return Err(refuse("reflection of light from the front", found));
         };
+        let others = data.components.iter().filter(|other| *other != component);
+        let others: Vec<String> = others.map(Component::words).collect();
+        let mut notices = data.warnings.clone();
+        if !others.is_empty() {
+            notices.push(format!(
+                "{path}: the sample is the {}; not compared: {}",
+                component.words(),
+                others.join(", ")
+            ));
+        }
         if matches!(component.quantity, Quantity::Unscaled | Quantity::Fraction) {
             return Err(refuse("values of a stated scale", "others".into()));
         }
@@ -55,7 +68,7 @@ impl GoniometricData {
             relative_se,
             rows: Vec::new(),
             outside_plane: 0,
-            notices: data.warnings.clone(),
+            notices,
         };
         let incidences = component.incidences_deg().into_iter().filter(|theta_i| *theta_i < 90.0);
         let views = || (-17..=17).map(|i| 5.0 * f64::from(i));

@@ -117,7 +117,7 @@ pub fn write(data: &Goniometric, format: Format, options: &WriteOptions) -> Resu
     Ok(Written {
         bytes,
         components: chosen.into_iter().map(Component::words).collect(),
-        notices,
+        notices: super::counted(notices),
     })
 }
 
