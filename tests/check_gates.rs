@@ -181,7 +181,7 @@ fn grazing_incidence_is_told_of() {
             format!("{small}[rig]\npixels_per_side = 4\n{rig}\n"),
         )
         .unwrap();
-        let output = specval(here, &["measure", "study.toml", "--out", "curves.csv"]);
+        let output = specval(here, &["measure", "study.toml", "--out", "curves.csv", "--force"]);
         assert_eq!(output.status.code(), Some(0));
         let text = fs::read_to_string(here.join("curves.csv")).unwrap();
         (String::from_utf8(output.stderr).unwrap(), text)
