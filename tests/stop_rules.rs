@@ -58,7 +58,12 @@ fn the_study_the_paths_or_the_precision_is_the_end() {
         assert_eq!(rule.batches, batches);
         assert_eq!(rule.reached(batches - 1, || Some(0.02)), None);
         assert_eq!(rule.reached(batches, || Some(0.02)), Some(StoppedBy::Paths));
-        assert_eq!(rule.reached(batches, || None), Some(StoppedBy::Paths));
+        // With nothing to wait for a precision is no longer waited for.
+        let nothing = match batches {
+            StopRule::MOST => StoppedBy::NothingHit,
+            _ => StoppedBy::Paths,
+        };
+        assert_eq!(rule.reached(batches, || None), Some(nothing));
     }
     let rule = StopRule::new(precision, None, 16, false);
     assert_eq!(rule.reached(8, || Some(0.01)), Some(StoppedBy::Precision));
@@ -71,9 +76,10 @@ fn the_study_the_paths_or_the_precision_is_the_end() {
 fn errors_are_counted_as_the_tolerance_says() {
     let relative = Tolerance::Relative(0.01);
     assert_eq!(relative.error(-0.5, 0.01), 0.02);
-    assert_eq!(relative.error(0.0, 0.0), 0.0);
+    assert_eq!(relative.error(0.0, 0.0), f64::INFINITY);
     assert_eq!(relative.error(0.0, 0.01), f64::INFINITY);
     assert_eq!(Tolerance::Absolute(0.1).error(-0.5, 0.01), 0.01);
+    assert_eq!(Tolerance::Absolute(0.1).error(0.0, 0.0), f64::INFINITY);
 }
 
 #[test]

@@ -38,7 +38,7 @@ pub enum OpticsError {
     },
     #[error(
         "phase function of particles of {diameter_nm} nm at {wavelength_nm} nm: with {nodes} nodes g is still off by \
-         {difference:e}, expected 1e-6; take smaller particles, or a fixed number of nodes if that will do"
+         {difference:.1e}, expected 1e-6; take smaller particles (in a study `particle_diameter_nm`), or longer wavelengths"
     )]
     PhaseUnresolved {
         wavelength_nm: f64,

@@ -128,6 +128,10 @@ pub fn report(
     }
     let energy = energy_rows(plan.grid.nm(), &plan.incident, &simulation.ledgers);
     notices.extend(shown::ledger_notice(&energy));
+    notices.extend(more_paths(
+        plan.direct_effort.paths_per_batch * simulation.effort.batches,
+        &diffuse_ratios(&plan.colour, curves, normal)?,
+    ));
     let sweep = sweep(plan, simulation.effort.batches, &mut notices, progress)?;
     let orders = orders(plan, simulation.effort.batches)?;
     let mut table1 = table1(plan, curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
@@ -484,6 +488,22 @@ fn table1(
         }
     }
     Ok(rows)
+}
+
+/// What it would take to know BLUE/RED of the model well, where it is not, after so many `paths` a tilt.
+fn more_paths(paths: usize, ratios: &ColourRatios) -> Option<String> {
+    /// Relative standard error at which a ratio tells cloths apart.
+    const WELL: f64 = 0.05;
+    let error = ratios.blue_over_red.se / ratios.blue_over_red.value.abs();
+    let times = (error / WELL).powi(2);
+    (!ratios.red_is_zero && error.is_finite() && times > 1.0).then(|| {
+        format!(
+            "BLUE/RED of the model has a standard error of {:.1} %: for 5 % it takes about {times:.1} times the paths of this run, {:.0} a \
+             tilt in place of {paths}, and as many times the tracing time",
+            100.0 * error,
+            paths as f64 * times
+        )
+    })
 }
 
 /// Why there is no ratio to red.

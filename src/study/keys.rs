@@ -41,8 +41,8 @@ const fn optional(field: Field, example: &'static str) -> Field {
 const WAVELENGTH: Range = closed(100.0, 10_000.0);
 const INDEX: Range = closed(1.0, 4.0);
 const KAPPA: Range = closed(0.0, 10.0);
-/// Size parameters within those of [`crate::optics::mie`] at every wavelength and host index.
-const DIAMETER: Range = closed(0.01, 100_000.0);
+/// Size parameters within those of [`crate::optics::mie`], and phase functions that a table resolves at the default wavelengths.
+const DIAMETER: Range = closed(0.01, 20_000.0);
 const VIEW: Range = Range {
     low: -90.0,
     low_included: false,

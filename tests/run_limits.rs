@@ -1,0 +1,102 @@
+//! What a run takes before it begins: memory, work of a batch, and what it waits for.
+
+use specval::run::{Plan, Precision, Stage, StopRule, StoppedBy, Tolerance, Watched, memory_bytes, refuse_beyond};
+use specval::study::Study;
+use std::time::Duration;
+
+const FREE: f64 = 8e9;
+
+/// A key that makes tables too large is named with its line and a value that fits; one step more does not.
+#[test]
+fn a_study_too_large_for_the_memory_is_refused_by_its_key() {
+    for (text, stage) in [
+        ("[rig]\npixels_per_side = 10000", Stage::Views),
+        ("[trace]\nexit_theta_cells = 1000", Stage::Yarn),
+        (
+            "[trace]\nexit_azimuth_cells = 1000\nexit_phi_cells = 1000",
+            Stage::Views,
+        ),
+        ("[trace]\ntilts = 1000", Stage::Yarn),
+        ("[trace]\nz_cells = 1000", Stage::Yarn),
+        ("[trace]\nbssrdf_exit_phi_cells = 1000", Stage::Yarn),
+        ("[trace]\nazimuth_cells = 1000", Stage::Yarn),
+    ] {
+        let study = Study::from_toml(text, "my.toml").unwrap();
+        let error = refuse_beyond(&study, stage, 2, FREE).expect_err(text).to_string();
+        let key = error.split('`').nth(1).unwrap().split_once('.').unwrap().1;
+        let line = 1 + text.lines().position(|line| line.starts_with(key)).unwrap();
+        assert!(error.starts_with(&format!("my.toml, line {line}: ")), "{error}");
+        assert!(error.contains(" GB of memory where 8.0 GB are free"), "{error}");
+        let most: u32 = error
+            .split("at most ")
+            .nth(1)
+            .unwrap()
+            .split(' ')
+            .next()
+            .unwrap()
+            .parse()
+            .unwrap();
+        let fits = |value: u32| {
+            let old = text.lines().nth(line - 1).unwrap();
+            let study = Study::from_toml(&text.replace(old, &format!("{key} = {value}")), "my.toml").unwrap();
+            refuse_beyond(&study, stage, 2, FREE).is_ok()
+        };
+        assert!(fits(most) && !fits(most + 4), "{error}");
+    }
+    assert!(refuse_beyond(&Study::default(), Stage::Views, 64, FREE).is_ok());
+    assert!(refuse_beyond(&Study::default(), Stage::Yarn, 64, FREE).is_ok());
+}
+
+/// Many wavelengths are refused too, and every part of the estimate is a number.
+#[test]
+fn too_many_wavelengths_are_refused_by_their_key() {
+    let mut study = Study::default();
+    study.spectrum.wavelength_step_nm = 0.05;
+    for stage in [Stage::Views, Stage::Yarn] {
+        assert!(memory_bytes(&study, stage, 2) > memory_bytes(&Study::default(), stage, 2));
+        let error = refuse_beyond(&study, stage, 2, 1e9).unwrap_err().to_string();
+        assert!(error.starts_with("`spectrum.wavelength_step_nm`: "), "{error}");
+    }
+}
+
+/// Batches small enough for a time: the same number of paths in more of them, alike whenever it is asked.
+#[test]
+fn a_short_time_makes_smaller_batches() {
+    let plan = |text: &str| Plan::new(Study::from_toml(text, "my.toml").unwrap()).unwrap();
+    let split = |text: &str, seconds: f64, stage| {
+        let (plan, parts) = plan(text).split_for(Duration::from_secs_f64(seconds), stage).unwrap();
+        assert_eq!(plan.study.trace.batches, 16 * parts);
+        (parts, plan.study)
+    };
+    assert_eq!(split("", 3600.0, Stage::Views).0, 1);
+    let (parts, study) = split("[trace]\npaths_direct = 100000000\n", 10.0, Stage::Views);
+    assert!(parts > 16, "{parts}");
+    assert_eq!(study.trace.paths_direct, 100_000_000);
+    assert_eq!(
+        split("[trace]\npaths_direct = 100000000\n", 10.0, Stage::Views).1,
+        study
+    );
+    let clear = split("", 4.0, Stage::Yarn).0;
+    let trapping = split("[medium]\nhost_index = 4\n", 4.0, Stage::Yarn).0;
+    assert!(trapping > 16 * clear, "{trapping} {clear}");
+}
+
+/// 0 ± 0 is not known: a run goes on for it, and ends when there is nothing else.
+#[test]
+fn nothing_hit_is_not_converged() {
+    for tolerance in [Tolerance::Relative(0.01), Tolerance::Absolute(0.01)] {
+        let precision = Precision {
+            tolerance,
+            ..Precision::parse("rel 1%", Watched::Curves, &[]).unwrap()
+        };
+        let rule = StopRule::new(Some(precision), None, 16, false);
+        let error = |batches, of: &[(f64, f64)]| tolerance.largest_error(batches, of.iter().copied());
+        let nothing = [(0.0, 0.0), (0.0, 0.0)];
+        let some = [(0.0, 0.0), (1.0, 0.001)];
+        assert_eq!(error(16, &nothing), Some(f64::INFINITY));
+        assert_eq!(rule.reached(16, || error(16, &some)), None);
+        assert_eq!(rule.reached(63, || error(63, &nothing)), None);
+        assert_eq!(rule.reached(64, || error(64, &nothing)), Some(StoppedBy::NothingHit));
+        assert_eq!(rule.reached(64, || error(64, &some)), Some(StoppedBy::Precision));
+    }
+}
