@@ -234,7 +234,10 @@ fn studies_weave_drafts() {
     let Err(error) = Plan::new(study("missing.wif")) else {
         panic!("no draft, and yet a plan")
     };
-    assert!(error.to_string().starts_with("`weave.draft`: missing.wif"), "{error}");
+    assert!(
+        error.to_string().starts_with("s, line 2: `weave.draft`: missing.wif"),
+        "{error}"
+    );
 }
 
 proptest! {
