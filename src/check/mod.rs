@@ -44,7 +44,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, thiserror::Error)]
 pub enum CheckError {
     #[error(transparent)]
-    Run(#[from] RunError),
+    Run(Box<RunError>),
     #[error(transparent)]
     Yarn(#[from] YarnError),
     #[error(transparent)]
@@ -67,6 +67,12 @@ pub enum CheckError {
     Xml(#[from] std::io::Error),
     #[error("--paths: expected at least {least}, found {found}; with fewer the spread of the batches means nothing")]
     TooFewPaths { least: u64, found: u64 },
+}
+
+impl From<RunError> for CheckError {
+    fn from(error: RunError) -> Self {
+        Self::Run(Box::new(error))
+    }
 }
 
 /// How much a check traces.

@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn radians_are_told_from_degrees() {
-        assert!(radians_for_degrees([0.0, -1.0472, 0.5236, 1.2217]).is_some());
+        assert!(radians_for_degrees([0.0, -1.05, 0.52, 1.2217]).is_some());
         // One incidence and view, near the normal: degrees for all one knows.
         assert_eq!(radians_for_degrees([0.0, 0.02, -0.01]), None);
         assert_eq!(radians_for_degrees([0.0, 1.0]), None);
