@@ -267,7 +267,7 @@ fn survives(bytes: &[u8]) -> Result<(), TestCaseError> {
     LARGEST.store(0, Ordering::Relaxed);
     if let Err(error) = parse("x", bytes, &ReadOptions::default()) {
         prop_assert!(
-            error.remedy.len() > 10 && error.to_string().ends_with(&error.remedy),
+            error.remedy.len() > 10 && error.to_string().ends_with(&*error.remedy),
             "{error}"
         );
     }

@@ -171,7 +171,7 @@ fn named(file: SpectraFile) -> Result<Spectra, Failure> {
 fn readings(path: &Path) -> Result<Spectra, Failure> {
     let name = path.display().to_string();
     let sample = Sample::load(&name)?;
-    let nm = sample.wavelengths_nm().ok_or_else(|| NoSpectra(name))?;
+    let nm = sample.wavelengths_nm().ok_or(NoSpectra(name))?;
     let grid = WavelengthGrid::new(nm.to_vec())?;
     let mut all = Vec::new();
     for reading in sample.raw() {

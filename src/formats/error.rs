@@ -9,9 +9,9 @@ pub struct FormatError {
     pub place: Place,
     /// With its unit.
     pub expected: String,
-    pub found: String,
+    pub found: Box<str>,
     /// What the user can do about it.
-    pub remedy: String,
+    pub remedy: Box<str>,
 }
 
 /// A place in a file.
@@ -66,8 +66,8 @@ impl FormatError {
             path: path.into(),
             place,
             expected: expected.into(),
-            found: found.into(),
-            remedy: remedy.into(),
+            found: found.into().into_boxed_str(),
+            remedy: remedy.into().into_boxed_str(),
         }
     }
 }
