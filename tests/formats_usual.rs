@@ -25,7 +25,7 @@ fn read(name: &str, bytes: &[u8]) -> Goniometric {
 
 fn refused(name: &str, bytes: &[u8]) -> String {
     let error = parse(name, bytes, &ReadOptions::default()).unwrap_err();
-    assert!(error.to_string().ends_with(&error.remedy), "{error}");
+    assert!(error.to_string().ends_with(&*error.remedy), "{error}");
     error.to_string()
 }
 
