@@ -1,4 +1,4 @@
-use super::plausibility;
+use crate::spectrum::plausibility;
 use crate::spectrum::{CsvError, CsvTable};
 
 /// Other names that instruments and scripts give to a column, in the form of [`plain`].

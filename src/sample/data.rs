@@ -2,10 +2,11 @@ use std::collections::HashMap;
 
 use serde::Serialize;
 
+use super::SampleError;
 use super::columns::{Columns, Values};
 use super::goniometric::GoniometricData;
 use super::nominal::{AnglesRead, nominal};
-use super::{SampleError, plausibility};
+use crate::spectrum::plausibility;
 use crate::spectrum::{CsvError, CsvTable, WavelengthGrid};
 
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,8 @@
+use super::SampleError;
 use super::data::{Axis, Row};
-use super::{SampleError, plausibility};
 use crate::formats::{Channels, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
 use crate::spectrum::WavelengthGrid;
+use crate::spectrum::plausibility;
 
 /// Common to the observers' and the illuminants' tables.
 const COLOUR_NM: std::ops::RangeInclusive<f64> = 360.0..=780.0;

@@ -6,7 +6,6 @@ mod data;
 mod goniometric;
 mod load;
 mod nominal;
-pub mod plausibility;
 mod reading;
 
 pub use data::{PublishedRatios, RatioRange};
@@ -18,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::colour::ColourError;
 use crate::formats::FormatError;
-use crate::spectrum::{CsvError, SpectrumError, UnknownName};
+use crate::spectrum::{CsvError, SpectrumError, UnknownName, plausibility};
 use data::{Axis, Data, Row};
 
 /// How the numbers came about.
