@@ -201,7 +201,7 @@ fn chain(c: &mut Criterion) {
     group.sample_size(10).measurement_time(Duration::from_secs(10));
     let tracer = DirectTracer::new(&plan.yarn, plan.factor_grid, plan.direct_effort, None).expect("a yarn");
     group.bench_function("f* table, one batch", |b| b.iter(|| tracer.batch(0)));
-    let tables = [tracer.batch(0).radiance_factor];
+    let tables = [tracer.batch(0).response];
     let view = [Geometry {
         theta_i_deg: 30.0,
         theta_v_deg: 30.0,

@@ -1,6 +1,6 @@
 //! Spectral validation of physically based cloth models.
 //!
-//! Data flows one way: spectra → medium → yarn → radiance factor → cloth → rig → colour → comparison → report.
+//! Data flows one way: spectra → medium → yarn → yarn response f* → cloth → rig → colour → comparison → report.
 //! `output` (places files are written to) lies below `artefact` and all of them.
 //! A module uses the ones listed before it and never one listed after it.
 

@@ -13,7 +13,7 @@ use specval::transport::{Coefficients, Cylinder, Estimate, Interior, Purpose, Ro
 use specval::woven::{
     Beam, Bounces, ClothBatch, ClothLedger, Detector, Onlookers, Places, Sight, ViewCones, Volumetric, YarnSurface,
 };
-use specval::yarn::{DirectTracer, Effort, Estimator, RadianceFactorGrid, SurfaceGrid, Yarn, YarnScatter};
+use specval::yarn::{DirectTracer, Effort, Estimator, SurfaceGrid, Yarn, YarnResponse, YarnResponseGrid};
 use std::f64::consts::PI;
 
 const BATCHES: usize = 24;
@@ -100,19 +100,19 @@ impl Weave {
 
     /// By f* of a table of `paths` paths, of none at all for a black yarn.
     fn by_factors<T: Send>(&self, paths: u64, most: usize, of: impl Fn(&Bounces<'_>, usize) -> T + Sync) -> Vec<T> {
-        let grid = RadianceFactorGrid::new(4, SurfaceGrid::new(12, 4, 8).unwrap()).unwrap();
+        let grid = YarnResponseGrid::new(4, SurfaceGrid::new(12, 4, 8).unwrap()).unwrap();
         (0..BATCHES)
             .into_par_iter()
             .map(|batch| {
-                let [table, passages] = match paths {
-                    0 => [vec![0.0; 2 * grid.cells()], vec![0.0; 2 * grid.passages()]],
+                let response = match paths {
+                    0 => YarnResponse::zeros(grid, self.yarn.medium.grid().len()),
                     _ => {
                         let effort = Effort::new(1, BATCHES, paths).unwrap();
-                        let traced = DirectTracer::new(&self.yarn, grid, effort, None).unwrap().batch(batch);
-                        [traced.radiance_factor, traced.passages]
+                        let tracer = DirectTracer::new(&self.yarn, grid, effort, None).unwrap();
+                        tracer.batch(batch).response
                     }
                 };
-                let scatter = YarnScatter::new(&self.yarn, grid, &table, &passages).unwrap();
+                let scatter = response.sampler(&self.yarn).unwrap();
                 let light = Bounces {
                     tubes: &self.tubes,
                     yarns: [&self.yarn; 2],

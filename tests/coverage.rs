@@ -107,8 +107,8 @@ fn quantities(plan: &Plan, measured: &[Option<Reading>]) -> Quantities {
     let values = plan.factor_grid.cells() * plan.grid.len();
     let mut sums = [BatchSums::zeros(values), BatchSums::zeros(values)];
     for batch in 0..plan.direct_effort.batches {
-        sums[0].add(&direct.batch(batch).radiance_factor);
-        sums[1].add(&patch.batch(batch).radiance_factor);
+        sums[0].add(direct.batch(batch).response.values());
+        sums[1].add(patch.batch(batch).response.values());
     }
     for i in 0..values {
         for (class, sums) in [("f* direct", &sums[0]), ("f* summed BSSRDF", &sums[1])] {

@@ -19,9 +19,7 @@ use specval::study::Study;
 use specval::transport::{
     Coefficients, Cylinder, Entry, Estimate, Interior, Ledger, LedgerEntry, Purpose, Roulette, Stream, Walk,
 };
-use specval::yarn::{
-    DirectTracer, Effort, EnergyTracer, Estimator, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn,
-};
+use specval::yarn::{DirectTracer, Effort, EnergyTracer, Estimator, IncidentGrid, SurfaceGrid, Yarn, YarnResponseGrid};
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 const BATCHES: usize = 40;
@@ -76,19 +74,19 @@ fn ledgers(yarn: &Yarn, seed: u64, paths_per_batch: u64) -> Vec<Vec<Ledger>> {
 /// \[batch\]\[2 tilts × 18 azimuths × wavelength\] of the light under a parallel beam, as fractions of it: f* summed over
 /// the directions in which it leaves.
 fn histograms(yarn: &Yarn, seed: u64, paths_per_batch: u64) -> Vec<Vec<f64>> {
-    let grid = RadianceFactorGrid::new(2, SurfaceGrid::new(36, 1, 4).unwrap()).unwrap();
+    let grid = YarnResponseGrid::new(2, SurfaceGrid::new(36, 1, 4).unwrap()).unwrap();
     let effort = Effort::new(seed, BATCHES, paths_per_batch * BATCHES as u64).unwrap();
     let tracer = DirectTracer::new(yarn, grid, effort, None).unwrap();
     let wavelengths = yarn.medium.grid().len();
     let fractions = |batch: usize| {
-        let table = tracer.batch(batch).radiance_factor;
+        let response = tracer.batch(batch).response;
         let mut sums = vec![0.0; grid.tilts() * grid.azimuths() * wavelengths];
         for tilt in 0..grid.tilts() {
             for azimuth in 0..grid.azimuths() {
                 let row = &mut sums[(tilt * grid.azimuths() + azimuth) * wavelengths..][..wavelengths];
                 for exit in 0..grid.surface().exit().cells() {
-                    let factor = grid.radiance_factor_per_fraction(tilt, exit);
-                    let cell = &table[grid.cell(tilt, azimuth, exit) * wavelengths..][..wavelengths];
+                    let factor = grid.response_per_fraction(tilt, exit);
+                    let cell = response.row(grid.cell(tilt, azimuth, exit));
                     row.iter_mut().zip(cell).for_each(|(sum, f)| *sum += f / factor);
                 }
             }

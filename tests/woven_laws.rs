@@ -14,7 +14,7 @@ use specval::transport::{Coefficients, Cylinder, Entry, Estimate, Interior, Ledg
 use specval::woven::{
     Beam, Bounces, ClothBatch, ClothLedger, Detector, Onlookers, Places, Sight, ViewCones, Volumetric, YarnSurface,
 };
-use specval::yarn::{DirectTracer, Effort, Estimator, RadianceFactorGrid, SurfaceGrid, Yarn, YarnScatter};
+use specval::yarn::{DirectTracer, Effort, Estimator, SurfaceGrid, Yarn, YarnResponseGrid};
 
 const BATCHES: usize = 24;
 /// |t| of 23 degrees of freedom that one value exceeds with probability 1e-4, and any of 40 with 4e-3.
@@ -153,7 +153,7 @@ fn bounces(
     paths: u64,
     particles: usize,
 ) -> Vec<ClothBatch> {
-    let grid = RadianceFactorGrid::new(10, SurfaceGrid::new(36, 12, 24).unwrap()).unwrap();
+    let grid = YarnResponseGrid::new(10, SurfaceGrid::new(36, 12, 24).unwrap()).unwrap();
     let tracer = DirectTracer::new(yarn, grid, Effort::new(1, BATCHES, paths).unwrap(), None).unwrap();
     let beam = Beam {
         omega_in: omega_in(theta_deg, 0.0),
@@ -162,7 +162,7 @@ fn bounces(
     (0..BATCHES)
         .map(|batch| {
             let traced = tracer.batch(batch);
-            let scatter = YarnScatter::new(yarn, grid, &traced.radiance_factor, &traced.passages).unwrap();
+            let scatter = traced.response.sampler(yarn).unwrap();
             let light = Bounces {
                 tubes,
                 yarns: [yarn; 2],
@@ -406,8 +406,7 @@ fn sun_and_light_between_are_all_light() {
         .into_par_iter()
         .map(|batch| {
             let traced = tracer.batch(batch);
-            let table = traced.radiance_factor;
-            let scatter = YarnScatter::new(&plan.yarn, plan.factor_grid, &table, &traced.passages).unwrap();
+            let scatter = traced.response.sampler(&plan.yarn).unwrap();
             let light = Bounces {
                 tubes: &tubes,
                 yarns: [&plan.yarn; 2],
@@ -417,7 +416,7 @@ fn sun_and_light_between_are_all_light() {
                 most: usize::MAX,
                 seed: 1,
             };
-            let sun = CameraBatch::trace(&plan, &geometries, batch).shade(std::slice::from_ref(&table));
+            let sun = CameraBatch::trace(&plan, &geometries, batch).shade(std::slice::from_ref(&traced.response));
             let places = Places::new(&tubes, 0.02, 0.04);
             let sights: Vec<Sight> = (cones.views().iter().enumerate())
                 .map(|(k, view)| Sight::new(&light, &places, view, k, batch, 900))

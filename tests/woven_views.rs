@@ -10,7 +10,7 @@ use specval::shading::FibreGloss;
 use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::transport::{Cylinder, Estimate, Roulette};
 use specval::woven::{Beam, Bounces, Onlookers, Places, Sight, ViewCones, YarnSurface};
-use specval::yarn::{DirectTracer, Effort, Estimator, RadianceFactorGrid, SurfaceGrid, Yarn, YarnScatter};
+use specval::yarn::{DirectTracer, Effort, Estimator, SurfaceGrid, Yarn, YarnResponseGrid};
 
 const BATCHES: usize = 24;
 /// |t| of 23 degrees of freedom that any of 60 values exceeds with probability 1e-3.
@@ -47,10 +47,10 @@ struct Case {
 /// scatters straight to them.
 fn brightness(case: &Case, most: usize) -> [Vec<Vec<f64>>; 2] {
     let tubes = Tubes::new(&case.spec).unwrap();
-    let grid = RadianceFactorGrid::new(6, SurfaceGrid::new(24, 6, 12).unwrap()).unwrap();
+    let grid = YarnResponseGrid::new(6, SurfaceGrid::new(24, 6, 12).unwrap()).unwrap();
     let tracer = DirectTracer::new(&case.yarn, grid, Effort::new(1, 2, 200_000).unwrap(), None).unwrap();
     let traced = tracer.batch(0);
-    let scatter = YarnScatter::new(&case.yarn, grid, &traced.radiance_factor, &traced.passages).unwrap();
+    let scatter = traced.response.sampler(&case.yarn).unwrap();
     let light = Bounces {
         tubes: &tubes,
         yarns: [&case.yarn; 2],

@@ -8,8 +8,8 @@ use specval::optics::{Interference, Medium, MediumSpec};
 use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::transport::{Cylinder, Ledger, LedgerEntry, Roulette};
 use specval::yarn::{
-    BssrdfBatch, BssrdfGrid, DirectTracer, Effort, EnergyTracer, Estimator, IncidentGrid, PatchTracer,
-    RadianceFactorGrid, SurfaceGrid, WeightTally, Yarn,
+    BssrdfBatch, BssrdfGrid, DirectTracer, Effort, EnergyTracer, Estimator, IncidentGrid, PatchTracer, SurfaceGrid,
+    WeightTally, Yarn, YarnResponse, YarnResponseGrid,
 };
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -43,7 +43,7 @@ fn patch_batches(
     effort: Effort,
 ) -> Vec<BssrdfBatch> {
     let grid = BssrdfGrid::new(yarn, incident, surface, 8).unwrap();
-    let summed = RadianceFactorGrid::new(tilts, surface).unwrap();
+    let summed = YarnResponseGrid::new(tilts, surface).unwrap();
     let tracer = PatchTracer::new(yarn, grid.clone(), summed, effort).unwrap();
     (0..effort.batches).map(|batch| tracer.batch(batch)).collect()
 }
@@ -94,7 +94,7 @@ fn tables_integrate_to_the_ledger() {
         let surface = SurfaceGrid::new(AZIMUTHS, 3, 8).unwrap();
         let effort = Effort::new(3, 2, 4000).unwrap();
         let grid = BssrdfGrid::new(&yarn, incident, surface, 8).unwrap();
-        let factors = RadianceFactorGrid::new(3, surface).unwrap();
+        let factors = YarnResponseGrid::new(3, surface).unwrap();
         let patch = PatchTracer::new(&yarn, grid.clone(), factors, effort).unwrap();
         let direct = DirectTracer::new(&yarn, factors, effort, None).unwrap();
         let width_mm = 0.15 * std::f64::consts::TAU / AZIMUTHS as f64;
@@ -133,24 +133,26 @@ fn tables_integrate_to_the_ledger() {
             }
             let of = direct.batch(batch);
             for tilt in 0..factors.tilts() {
+                let albedo = of.response.albedo(tilt);
                 for wavelength in 0..wavelengths {
                     let mut whole = 0.0;
                     for azimuth in 0..factors.azimuths() {
                         let mut leaves = 0.0;
                         for exit in 0..exits {
                             let at = factors.cell(tilt, azimuth, exit) * wavelengths + wavelength;
-                            leaves += of.radiance_factor[at] / factors.radiance_factor_per_fraction(tilt, exit);
+                            leaves += of.response.values()[at] / factors.response_per_fraction(tilt, exit);
                         }
                         let mut by_entry = 0.0;
                         for (entry, opposite) in (0..factors.entries()).flat_map(|e| [(e, false), (e, true)]) {
-                            let at = factors.passage(tilt, entry, opposite, azimuth) * wavelengths + wavelength;
-                            by_entry += of.passages[at];
+                            let at = factors.transfer_cell(tilt, entry, opposite, azimuth) * wavelengths + wavelength;
+                            by_entry += of.response.transfer_values()[at];
                         }
                         assert!((leaves - by_entry).abs() < 1e-13, "{leaves} {by_entry}");
                         whole += leaves;
                     }
                     let ledger = of.ledgers[tilt * wavelengths + wavelength];
                     assert!((whole - ledger.scattered).abs() < 1e-13, "{whole} {ledger:?}");
+                    assert!((albedo[wavelength] - whole).abs() < 1e-13, "{whole} {albedo:?}");
                     if estimator == Estimator::Independent {
                         assert!(ledger.residual().abs() < 1e-13, "{ledger:?}");
                     }
@@ -175,7 +177,7 @@ fn two_roads(estimator: Estimator, paths_per_direction: u64, paths_per_tilt: u64
         TILTS,
         Effort::new(5, BATCHES, paths_per_direction).unwrap(),
     );
-    let grid = RadianceFactorGrid::new(TILTS, surface).unwrap();
+    let grid = YarnResponseGrid::new(TILTS, surface).unwrap();
     let effort = Effort::new(6, BATCHES, paths_per_tilt).unwrap();
     let direct = DirectTracer::new(&yarn, grid, effort, None).unwrap();
     let differences: Vec<[Vec<f64>; 2]> = patch
@@ -184,8 +186,8 @@ fn two_roads(estimator: Estimator, paths_per_direction: u64, paths_per_tilt: u64
         .map(|(batch, patch)| {
             let direct = direct.batch(batch);
             [
-                difference(&patch.radiance_factor, &direct.radiance_factor),
-                difference(&patch.passages, &direct.passages),
+                difference(patch.response.values(), direct.response.values()),
+                difference(patch.response.transfer_values(), direct.response.transfer_values()),
             ]
         })
         .collect();
@@ -226,7 +228,7 @@ fn mirror_symmetry_changes_nothing() {
     let folded = patch_batches(&yarn, incident(true), surface, 3, Effort::new(7, 40, 24_000).unwrap());
     let whole = patch_batches(&yarn, incident(false), surface, 3, Effort::new(8, 40, 6_000).unwrap());
     let factors: Vec<Vec<f64>> = std::iter::zip(&folded, &whole)
-        .map(|(a, b)| difference(&a.radiance_factor, &b.radiance_factor))
+        .map(|(a, b)| difference(a.response.values(), b.response.values()))
         .collect();
     let joint = all_zero(&factors);
     println!("{joint}");
@@ -256,7 +258,7 @@ fn mirror_symmetry_changes_nothing() {
 #[test]
 fn bits_do_not_depend_on_threads() {
     let surface = SurfaceGrid::new(12, 2, 4).unwrap();
-    let grid = RadianceFactorGrid::new(2, surface).unwrap();
+    let grid = YarnResponseGrid::new(2, surface).unwrap();
     let incident = IncidentGrid::new(3, 8, true).unwrap();
     for estimator in ESTIMATORS {
         let yarn = yarn(&[450.0, 650.0], 0.002, estimator);
@@ -285,7 +287,7 @@ fn bits_do_not_depend_on_threads() {
 #[test]
 fn interpolation_weights_are_exact_at_nodes_and_mirror() {
     let surface = SurfaceGrid::new(36, 6, 12).unwrap();
-    let grid = RadianceFactorGrid::new(5, surface).unwrap();
+    let grid = YarnResponseGrid::new(5, surface).unwrap();
     let mut tally = WeightTally::new(grid);
     for (tilt, azimuth, exit) in [(0, 0, 0), (2, 7, 33), (4, 17, 71)] {
         let psi = grid.tilt(tilt);
@@ -300,12 +302,15 @@ fn interpolation_weights_are_exact_at_nodes_and_mirror() {
             let view = nalgebra::Vector3::new(seen.x * mirror_tangent, seen.y * mirror_axis, seen.z);
             tally.add(&light, &surface.exit().bilinear(&view));
             let weights = tally.drain(1.0);
-            let mut here = vec![0.0; grid.cells()];
-            here[grid.cell(tilt, azimuth, exit)] = 1.0;
-            let elsewhere: Vec<f64> = here.iter().map(|h| 1.0 - h).collect();
-            let [here, elsewhere] = [here, elsewhere].map(|table| weights.contract(&table, 1)[0]);
+            // 1 in the cell and 0 elsewhere at one wavelength, the reverse at the other.
+            let response = YarnResponse::from_fn(grid, 2, |[of_tilt, of_azimuth, of_exit, wavelength]| {
+                let own = (of_tilt, of_azimuth, of_exit) == (tilt, azimuth, exit);
+                f64::from(own == (wavelength == 0))
+            });
+            let [here, elsewhere] = [0, 1].map(|wavelength| weights.contract(&response)[wavelength]);
             let own = psi.cos() / grid.mean_cosine(tilt);
             assert!((here - own).abs() < 1e-9 && elsewhere < 1e-9, "{here} {elsewhere}");
+            assert_eq!(response.eval(&light, &view), weights.contract(&response));
         }
     }
 }

@@ -7,7 +7,7 @@ use specval::optics::{Interference, Medium, MediumSpec};
 use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::transport::{Coefficients, Cylinder, Entry, Estimate, Interior, Ledger, Purpose, Roulette, Stream, Walk};
 use specval::yarn::{
-    DirectTracer, Effort, Estimator, RadianceFactorGrid, SurfaceGrid, Yarn, YarnScatter, kept_by_straight_yarn,
+    DirectTracer, Effort, Estimator, SurfaceGrid, Yarn, YarnResponseGrid, YarnSampler, kept_by_straight_yarn,
 };
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -38,8 +38,8 @@ fn yarn() -> Yarn {
     }
 }
 
-fn grid() -> RadianceFactorGrid {
-    RadianceFactorGrid::new(3, SurfaceGrid::new(AROUND, 4, 8).unwrap()).unwrap()
+fn grid() -> YarnResponseGrid {
+    YarnResponseGrid::new(3, SurfaceGrid::new(AROUND, 4, 8).unwrap()).unwrap()
 }
 
 /// From a local frame, whose normal is that of the azimuth φ of the section, to that of azimuth 0, or back with −φ.
@@ -107,7 +107,7 @@ fn add(sums: &mut [f64], normal: &Vec3, direction: &Vec3, weights: impl Iterator
 /// The same of what is kept, drawn from the tables, of light at places of the section and tilts that `place` draws; `kept` says
 /// how much of it.
 fn drawn(
-    scatter: &YarnScatter,
+    scatter: &YarnSampler,
     batch: usize,
     place: impl Fn(&mut dyn FnMut() -> f64) -> [f64; 2],
     kept: impl Fn(usize, [f64; 2]) -> f64,
@@ -119,7 +119,7 @@ fn drawn(
         let [sine, phi] = place(&mut even);
         let omega_in = turned(&Vec3::new(0.0, sine, (1.0 - sine * sine).sqrt()), -phi);
         let meeting = scatter.meet(&omega_in);
-        let leaving = scatter.draw(&meeting, [even(), even(), even()]).unwrap();
+        let leaving = scatter.sample(&meeting, [even(), even(), even()]).unwrap();
         let [normal, direction] = [&leaving.normal, &leaving.direction].map(|v| turned(v, phi));
         let worths = scatter.worth(&leaving).enumerate();
         let weights = worths.map(|(w, worth)| worth * kept(w, [sine, phi]) / PATHS as f64);
@@ -139,10 +139,10 @@ fn largest(batches: &[[Sums; 2]], of: impl Fn(&usize) -> bool) -> f64 {
         .fold(0.0, f64::max)
 }
 
-fn scatter(yarn: &Yarn, batch: usize) -> YarnScatter {
+fn scatter(yarn: &Yarn, batch: usize) -> YarnSampler {
     let effort = Effort::new(3, BATCHES, 40_000 * BATCHES as u64).unwrap();
     let batch = DirectTracer::new(yarn, grid(), effort, None).unwrap().batch(batch);
-    YarnScatter::new(yarn, grid(), &batch.radiance_factor, &batch.passages).unwrap()
+    batch.response.sampler(yarn).unwrap()
 }
 
 /// From the first, middle and last entry cell, on either side of the light and with light from either end of the yarn, as much leaves at each azimuth
@@ -150,7 +150,7 @@ fn scatter(yarn: &Yarn, batch: usize) -> YarnScatter {
 #[test]
 fn light_leaves_where_it_does_when_traced_from_its_entry() {
     let yarn = yarn();
-    let tables: Vec<YarnScatter> = (0..BATCHES).map(|batch| scatter(&yarn, batch)).collect();
+    let tables: Vec<YarnSampler> = (0..BATCHES).map(|batch| scatter(&yarn, batch)).collect();
     let grid = grid();
     for (tilt, entry) in
         (0..grid.tilts()).flat_map(|tilt| (0..grid.entries()).step_by(4).map(move |entry| (tilt, entry)))
@@ -175,7 +175,7 @@ fn light_leaves_where_it_does_when_traced_from_its_entry() {
 /// Over the whole width light leaves in the directions in which it does when traced, at each azimuth, as their mean parts around
 /// and along the section tell: those of f*. False alarms: 3 × 36 × 2 values, 3.4e-3 together.
 #[test]
-fn over_the_width_directions_are_those_of_the_radiance_factor() {
+fn over_the_width_directions_are_those_of_the_yarn_response() {
     let yarn = yarn();
     let grid = grid();
     for tilt in 0..grid.tilts() {
@@ -223,5 +223,49 @@ fn radiance_integrates_to_the_albedo() {
                 "{whole} {albedo}"
             );
         }
+    }
+}
+
+/// A draw is worth the radiance there over the density of the draw, which is nowhere negative and whose sum over all places and
+/// directions is 1.
+#[test]
+fn a_draw_is_worth_the_radiance_over_its_density() {
+    let yarn = yarn();
+    let sampler = scatter(&yarn, 0);
+    let mut rng = Stream::open(9, Purpose::Validation, 0, 0, 1);
+    let mut uniform = || rng.random::<f64>();
+    for _ in 0..2000 {
+        let (z, turn) = (1.0 - uniform(), TAU * uniform());
+        let across = (1.0 - z * z).sqrt();
+        let omega_in = Vec3::new(across * turn.cos(), across * turn.sin(), z);
+        let meeting = sampler.meet(&omega_in);
+        let leaving = sampler.sample(&meeting, [uniform(), uniform(), uniform()]).unwrap();
+        let pdf = sampler.pdf(&meeting, &leaving.normal, &leaving.direction);
+        let radiance = sampler.radiance(&meeting, &leaving.normal, &leaving.direction);
+        for (worth, radiance) in sampler.worth(&leaving).zip(radiance) {
+            assert!(
+                (worth - radiance / pdf).abs() < 1e-9 * worth,
+                "{worth} {radiance} {pdf}"
+            );
+        }
+        let exit = SurfaceGrid::new(AROUND, 4, 8).unwrap();
+        let mut whole = 0.0;
+        for place in 0..AROUND {
+            // Azimuth cells are counted from the light's meridian.
+            let phi = omega_in.x.atan2(omega_in.z) + (place as f64 + 0.5) * TAU / AROUND as f64;
+            let normal = Vec3::new(phi.sin(), 0.0, phi.cos());
+            for cell in 0..exit.exit().cells() {
+                let local = exit.exit().centre(cell);
+                let direction = Vec3::new(
+                    local.x * normal.z + local.z * normal.x,
+                    local.y,
+                    local.z * normal.z - local.x * normal.x,
+                );
+                let density = sampler.pdf(&meeting, &normal, &direction);
+                assert!(density >= 0.0);
+                whole += density * exit.exit().projected_solid_angle(cell) * TAU / AROUND as f64;
+            }
+        }
+        assert!((whole - 1.0).abs() < 1e-12, "{whole} {omega_in}");
     }
 }

@@ -5,7 +5,7 @@ use super::{CheckError, Context};
 use crate::geometry::Vec3;
 use crate::optics::{Medium, Phase, PhaseTable};
 use crate::spectrum::WavelengthGrid;
-use crate::yarn::{DirectTracer, Effort, Estimator, RadianceFactorGrid, SurfaceGrid, WeightTally, Yarn};
+use crate::yarn::{DirectTracer, Effort, Estimator, SurfaceGrid, WeightTally, Yarn, YarnResponse, YarnResponseGrid};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 const LOOKUP: Law = Law {
@@ -40,18 +40,10 @@ pub fn lookup(context: &Context) -> Gate {
         let terms = std::array::from_fn::<f64, 4, _>(|axis| 1.0 + (axis + 1) as f64 * of[axis] / widths[axis]);
         terms.iter().product::<f64>() / 120.0
     };
-    let mut table = Vec::with_capacity(grid.cells());
-    for tilt in 0..counts[0] {
-        for azimuth in 0..counts[1] {
-            for theta in 0..counts[2] {
-                for phi in 0..counts[3] {
-                    let node = [tilt, azimuth, theta, phi];
-                    let centre = std::array::from_fn(|axis| at(axis, node[axis] as f64));
-                    table.push(grid.mean_cosine(tilt) * function(centre));
-                }
-            }
-        }
-    }
+    let response = YarnResponse::from_fn(grid, 1, |[tilt, azimuth, cell, _]| {
+        let node = [tilt, azimuth, cell / exit.phi_cells(), cell % exit.phi_cells()];
+        grid.mean_cosine(tilt) * function(std::array::from_fn(|axis| at(axis, node[axis] as f64)))
+    });
     let mut tally = WeightTally::new(grid);
     let departures: Vec<f64> = (0..LOOKUPS)
         .map(|k| {
@@ -64,7 +56,7 @@ pub fn lookup(context: &Context) -> Gate {
             let light = Vec3::new(-azimuth.sin() * tilt.cos(), tilt.sin(), azimuth.cos() * tilt.cos());
             let view = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
             tally.add(&light, &exit.bilinear(&view));
-            tally.drain(1.0).contract(&table, 1)[0] - tilt.cos() * function(of)
+            tally.drain(1.0).contract(&response)[0] - tilt.cos() * function(of)
         })
         .collect();
     let rounding = context.plan.study.check.rounding;
@@ -106,16 +98,16 @@ pub fn straight(context: &Context) -> Result<Gate, CheckError> {
         estimator: Estimator::Independent,
         ..plan.yarn.clone()
     };
-    let grid = RadianceFactorGrid::new(TILTS, SurfaceGrid::new(AZIMUTHS, THETAS, PHIS)?)?;
+    let grid = YarnResponseGrid::new(TILTS, SurfaceGrid::new(AZIMUTHS, THETAS, PHIS)?)?;
     let tracer = DirectTracer::new(&yarn, grid, Effort::new(plan.study.seed, 2, 2 * PATHS)?, None)?;
-    let found = tracer.batch(0).radiance_factor;
+    let found = tracer.batch(0).response;
     let per_tilt = grid.cells() / TILTS;
     let departures: Vec<f64> = (0..TILTS)
         .flat_map(|tilt| {
-            let values = &found[tilt * per_tilt..][..per_tilt];
+            let values = &found.values()[tilt * per_tilt..][..per_tilt];
             let fractions = values.iter().enumerate();
             let fractions =
-                fractions.map(move |(cell, f)| f / grid.radiance_factor_per_fraction(tilt, cell % (THETAS * PHIS)));
+                fractions.map(move |(cell, f)| f / grid.response_per_fraction(tilt, cell % (THETAS * PHIS)));
             fractions.zip(expected(tilt)).map(|(found, expected)| found - expected)
         })
         .collect();

@@ -5,7 +5,7 @@ use super::{CheckError, Context, Quantity};
 use crate::rig::{omega_in, view_cell};
 use crate::run::{Plan, hemisphere};
 use crate::transport::{Purpose, Stream};
-use crate::yarn::{DirectBatch, FactorWeights};
+use crate::yarn::{DirectBatch, ResponseWeights};
 use rayon::prelude::*;
 
 pub const ENERGY: Law = Law {
@@ -49,7 +49,7 @@ impl<'a> ClothEnergy<'a> {
         let wavelengths = plan.grid.len();
         let samples = crate::rig::PixelSamples::new(PIXELS, PIXELS).map_err(crate::run::RunError::from)?;
         let incidences = plan.rig.incidences_deg();
-        let sides: Vec<[FactorWeights; 2]> = incidences
+        let sides: Vec<[ResponseWeights; 2]> = incidences
             .par_iter()
             .enumerate()
             .map(|(k, &theta_i_deg)| {
@@ -61,7 +61,7 @@ impl<'a> ClothEnergy<'a> {
             })
             .collect();
         let contract = |side: usize| -> Vec<f64> {
-            let of = |weights: &[FactorWeights; 2]| weights[side].contract(&yarn.radiance_factor, wavelengths);
+            let of = |weights: &[ResponseWeights; 2]| weights[side].contract(&yarn.response);
             sides.iter().flat_map(of).collect()
         };
         self.reflected.push(contract(0));

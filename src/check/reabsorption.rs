@@ -6,8 +6,8 @@ use crate::optics::Medium;
 use crate::spectrum::WavelengthGrid;
 use crate::transport::{BatchSums, Roulette};
 use crate::yarn::{
-    ByLength, DirectBatch, DirectTracer, Effort, Estimator, LengthBins, LengthSums, RadianceFactorGrid, Reabsorption,
-    SurfaceGrid, Yarn,
+    ByLength, DirectBatch, DirectTracer, Effort, Estimator, LengthBins, LengthSums, Reabsorption, SurfaceGrid, Yarn,
+    YarnResponseGrid,
 };
 use std::iter::zip;
 
@@ -55,7 +55,7 @@ pub fn gate(context: &Context) -> Result<Gate, CheckError> {
             ..plan.yarn.clone()
         })
     };
-    let axes = RadianceFactorGrid::new(1, SurfaceGrid::new(4, 1, 4)?)?;
+    let axes = YarnResponseGrid::new(1, SurfaceGrid::new(4, 1, 4)?)?;
     let own = yarn(&vec![0.0; nm.len()])?;
     let of_own = trace(plan.study.seed, &own, axes, &bins)?;
     let lengths = mean_lengths(&of_own.1, nm.len());
@@ -87,18 +87,18 @@ pub fn gate(context: &Context) -> Result<Gate, CheckError> {
 fn trace(
     seed: u64,
     yarn: &Yarn,
-    axes: RadianceFactorGrid,
+    axes: YarnResponseGrid,
     bins: &LengthBins,
 ) -> Result<(BatchSums, LengthSums), CheckError> {
     let effort = Effort::new(seed, BATCHES, BATCHES as u64 * PATHS_OF_A_BATCH)?;
     let tracer = DirectTracer::new(yarn, axes, effort, Some(bins.clone()))?;
     let mut batches = (0..BATCHES).map(|batch| tracer.batch(batch)).peekable();
     let [values, by_length] = batches.peek().map_or([0; 2], |batch: &DirectBatch| {
-        [batch.radiance_factor.len(), batch.lengths.amount.len()]
+        [batch.response.values().len(), batch.lengths.amount.len()]
     });
     let mut sums = (BatchSums::zeros(values), LengthSums::zeros(by_length));
     for batch in batches {
-        sums.0.add(&batch.radiance_factor);
+        sums.0.add(batch.response.values());
         sums.1.add(&batch.lengths);
     }
     Ok(sums)
@@ -144,11 +144,11 @@ fn changed((table, lengths): &(BatchSums, LengthSums), change: &Reabsorption) ->
 }
 
 /// Scattered light of all cells, of the incident flux, at each wavelength.
-fn scattered(axes: &RadianceFactorGrid, table: &[f64], wavelengths: usize) -> Vec<f64> {
+fn scattered(axes: &YarnResponseGrid, table: &[f64], wavelengths: usize) -> Vec<f64> {
     let exits = axes.surface().exit().cells();
     let mut sums = vec![0.0; wavelengths];
     for (cell, row) in table.chunks_exact(wavelengths).enumerate() {
-        let share = 1.0 / axes.radiance_factor_per_fraction(0, cell % exits);
+        let share = 1.0 / axes.response_per_fraction(0, cell % exits);
         zip(&mut sums, row).for_each(|(sum, f)| *sum += share * f);
     }
     sums

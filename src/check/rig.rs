@@ -8,7 +8,7 @@ use crate::rig::{brightness_factor, view_cell};
 use crate::run::{CameraBatch, directions, stream_of};
 use crate::spectrum::WavelengthGrid;
 use crate::transport::{Purpose, Stream};
-use crate::yarn::WeightTally;
+use crate::yarn::{WeightTally, YarnResponse};
 use std::f64::consts::TAU;
 
 const DIFFUSER: Law = Law {
@@ -37,7 +37,9 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// planes and in both.
 pub fn lookup(context: &Context) -> Gate {
     let grid = context.plan.factor_grid;
-    let table: Vec<f64> = (0..grid.cells()).map(|cell| (cell as f64 * GOLDEN).fract()).collect();
+    let response = YarnResponse::from_fn(grid, 1, |[tilt, azimuth, exit, _]| {
+        (grid.cell(tilt, azimuth, exit) as f64 * GOLDEN).fract()
+    });
     let mut tally = WeightTally::new(grid);
     let mut departures = Vec::new();
     for k in 0..LOOKUPS {
@@ -51,7 +53,7 @@ pub fn lookup(context: &Context) -> Gate {
         let mut at = |tangent: f64, axis: f64| {
             let image = |d: &Vec3| Vec3::new(tangent * d.x, axis * d.y, d.z);
             tally.add(&image(&light), &grid.surface().exit().bilinear(&image(&view)));
-            tally.drain(1.0).contract(&table, 1)[0]
+            tally.drain(1.0).contract(&response)[0]
         };
         let own = at(1.0, 1.0);
         departures.extend([(-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(|(tangent, axis)| at(tangent, axis) - own));
@@ -132,14 +134,9 @@ pub fn whites(context: &Context) -> Result<Gate, CheckError> {
 pub fn shading(context: &Context) -> Gate {
     let Context { plan, judge, .. } = context;
     let grid = plan.factor_grid;
-    let wavelengths = plan.grid.len();
-    let mut table = vec![0.0; grid.cells() * wavelengths];
-    let per_tilt = grid.cells() / grid.tilts() * wavelengths;
-    for (tilt, rows) in table.chunks_exact_mut(per_tilt).enumerate() {
-        rows.fill(grid.mean_cosine(tilt));
-    }
+    let response = YarnResponse::from_fn(grid, plan.grid.len(), |[tilt, ..]| grid.mean_cosine(tilt));
     let geometries = plan.geometries();
-    let shaded = CameraBatch::trace(plan, &geometries, 0).shade(&vec![table; plan.different_yarns().count()]);
+    let shaded = CameraBatch::trace(plan, &geometries, 0).shade(&vec![response; plan.different_yarns().count()]);
     let departures: Vec<f64> = geometries
         .iter()
         .zip(&shaded)

@@ -3,7 +3,7 @@
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
 use crate::transport::Ledger;
-use crate::yarn::{BssrdfGrid, DirectBatch, DirectTracer, Effort, PatchTracer, RadianceFactorGrid, SurfaceGrid};
+use crate::yarn::{BssrdfGrid, DirectBatch, DirectTracer, Effort, PatchTracer, SurfaceGrid, YarnResponseGrid};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::iter::zip;
 
@@ -52,7 +52,7 @@ pub fn direct(
 }
 
 /// ∮∫ f* cosθ dω R dφ over the yarn is what the beam's 2R cosψ E⊥ scatters: written out from the cells' edges alone.
-fn integral_departures(grid: &RadianceFactorGrid, batch: &DirectBatch, wavelengths: usize) -> Vec<f64> {
+fn integral_departures(grid: &YarnResponseGrid, batch: &DirectBatch, wavelengths: usize) -> Vec<f64> {
     let exit = grid.surface().exit();
     let (rows, columns) = (exit.theta_cells(), exit.phi_cells());
     let width = TAU / grid.surface().azimuths() as f64;
@@ -70,7 +70,7 @@ fn integral_departures(grid: &RadianceFactorGrid, batch: &DirectBatch, wavelengt
             for exit in 0..exit.cells() {
                 // A cell stands for its mirror image, too.
                 let share = 2.0 * width * projected[exit / columns] / met;
-                let row = &batch.radiance_factor[grid.cell(tilt, azimuth, exit) * wavelengths..][..wavelengths];
+                let row = batch.response.row(grid.cell(tilt, azimuth, exit));
                 zip(&mut sums, row).for_each(|(sum, f)| *sum += share * f);
             }
         }
@@ -80,7 +80,7 @@ fn integral_departures(grid: &RadianceFactorGrid, batch: &DirectBatch, wavelengt
     departures
 }
 
-fn tilt_words(grid: &RadianceFactorGrid, tilt: usize) -> String {
+fn tilt_words(grid: &YarnResponseGrid, tilt: usize) -> String {
     let [low, high] = grid.tilt_edges(tilt).map(f64::to_degrees);
     format!("tilt {low:.0} to {high:.0} deg")
 }
@@ -90,7 +90,7 @@ pub fn bssrdf(context: &Context) -> Result<Gate, CheckError> {
     let grid = plan.bssrdf_grid(&plan.yarn)?;
     let wavelengths = plan.grid.len();
     let effort = Effort::new(plan.study.seed, TABLES, context.of_estimator(2 * context.share(1)))?;
-    let summed = RadianceFactorGrid::new(1, SurfaceGrid::new(4, 1, 4)?)?;
+    let summed = YarnResponseGrid::new(1, SurfaceGrid::new(4, 1, 4)?)?;
     let tracer = PatchTracer::new(&plan.yarn, grid.clone(), summed, effort)?;
     let per_direction: usize = grid.shape()[1..].iter().product();
     let mut departures = Vec::new();
@@ -120,7 +120,7 @@ pub fn two_roads(context: &Context) -> Result<Gate, CheckError> {
     let Context { plan, judge, .. } = context;
     let wavelengths = plan.grid.len();
     let surface = SurfaceGrid::new(ROAD_AZIMUTHS, 1, 4)?;
-    let grid = RadianceFactorGrid::new(ROAD_TILTS, surface)?;
+    let grid = YarnResponseGrid::new(ROAD_TILTS, surface)?;
     let batches = context.batches;
     let effort = |share| {
         Effort::new(
@@ -140,11 +140,12 @@ pub fn two_roads(context: &Context) -> Result<Gate, CheckError> {
             for tilt in 0..ROAD_TILTS {
                 for azimuth in 0..grid.azimuths() {
                     for exit in 0..surface.exit().cells() {
-                        let share = 1.0 / grid.radiance_factor_per_fraction(tilt, exit);
-                        let at = grid.cell(tilt, azimuth, exit) * wavelengths;
+                        let share = 1.0 / grid.response_per_fraction(tilt, exit);
+                        let [summed, beam] =
+                            [&patch.response, &direct.response].map(|of| of.row(grid.cell(tilt, azimuth, exit)));
                         let to = (tilt * ROAD_SIDES + azimuth / per_side) * wavelengths;
                         for w in 0..wavelengths {
-                            let difference = patch.radiance_factor[at + w] - direct.radiance_factor[at + w];
+                            let difference = summed[w] - beam[w];
                             cells[to + w] += share * difference;
                         }
                     }

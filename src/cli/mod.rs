@@ -59,7 +59,7 @@ pub enum Command {
     /// Scattering and absorption of the yarn's medium at each wavelength.
     #[command(after_long_help = help::MEDIUM)]
     Medium(medium::Arguments),
-    /// Monte Carlo of the yarn: energy ledger, BSSRDF, radiance factor.
+    /// Monte Carlo of the yarn: energy ledger, BSSRDF, yarn response f*.
     #[command(after_long_help = help::TRACE)]
     Trace(trace::Arguments),
     /// Another dye, kappa or host absorption for a finished trace, without tracing.

@@ -5,7 +5,7 @@ use specval::run::{self, Precision, PrecisionError, Schedule, Shard, Stage, Watc
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Traces the yarn and keeps the ledger, the BSSRDF and the radiance factor f*, all of it also by path length.
+/// Traces the yarn and keeps the ledger, the BSSRDF and the yarn response f*, all of it also by path length.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Study file; without it the built-in study.

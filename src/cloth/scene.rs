@@ -174,7 +174,7 @@ impl Cloth {
         })
     }
 
-    /// Whether any yarn but `skip` stands on the ray. The radiance factor of a yarn already holds the yarn's shadow on
+    /// Whether any yarn but `skip` stands on the ray. The response f* of a yarn already holds the yarn's shadow on
     /// itself, so the owner of the shaded point is skipped whole, all along its length.
     pub fn occluded(&self, origin: &Vec3, direction: &Vec3, skip: YarnId) -> bool {
         let mut blocked = false;

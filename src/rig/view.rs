@@ -39,7 +39,7 @@ pub struct Interaction {
 
 impl Interaction {
     /// Components of a direction towards the light; `None` where another yarn stands between. The yarn's own shadow is
-    /// part of its radiance factor, so any direction of the sphere may come back.
+    /// part of its response f*, so any direction of the sphere may come back.
     pub fn light(&self, cloth: &Cloth, omega_in: &Vec3) -> Option<Vec3> {
         let hit = &self.hit;
         let skip = if fault::active(Fault::OwnShadow) {

@@ -6,7 +6,7 @@ use crate::fault::{self, Fault};
 use crate::geometry::Bilinear;
 use crate::rig::{Interaction, brightness_factor, view_cell};
 use crate::transport::{Purpose, Stream};
-use crate::yarn::{FactorWeights, WeightTally};
+use crate::yarn::{ResponseWeights, WeightTally, YarnResponse};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ pub struct CameraBatch {
 struct Sight {
     cos_i: f64,
     /// Of each of [`Plan::different_yarns`].
-    weights: Vec<FactorWeights>,
+    weights: Vec<ResponseWeights>,
 }
 
 impl CameraBatch {
@@ -54,15 +54,15 @@ impl CameraBatch {
         }
     }
 
-    /// Diffuse β at [geometry][wavelength] of yarns whose f* are `tables`, one for each of [`Plan::different_yarns`]: one batch on
-    /// the study's grid, wavelength fastest, at the study's wavelengths.
-    pub fn shade(&self, tables: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    /// Diffuse β at [geometry][wavelength] of yarns that scatter by `responses`, one for each of [`Plan::different_yarns`]: one
+    /// batch on the study's grid, at the study's wavelengths.
+    pub fn shade(&self, responses: &[YarnResponse]) -> Vec<Vec<f64>> {
         self.geometries
             .par_iter()
             .map(|Sight { cos_i, weights }| {
                 let mut beta = vec![0.0; self.wavelengths];
-                for (weights, table) in weights.iter().zip(tables) {
-                    let of_yarn = weights.contract(table, self.wavelengths);
+                for (weights, response) in weights.iter().zip(responses) {
+                    let of_yarn = weights.contract(response);
                     beta.iter_mut().zip(of_yarn).for_each(|(sum, b)| *sum += b);
                 }
                 beta.iter_mut().for_each(|b| *b = brightness_factor(*b, *cos_i).0);
@@ -150,13 +150,12 @@ mod tests {
             theta_v_deg: 0.0,
         };
         let camera = CameraBatch::trace(&plan, &[normal], 0);
-        let wavelengths = plan.grid.len();
-        let mut table = vec![0.0; plan.factor_grid.cells() * wavelengths];
-        table.chunks_exact_mut(wavelengths).for_each(|row| {
-            row[4] = 1.0;
-            row[9] = 2.0;
+        let response = YarnResponse::from_fn(plan.factor_grid, plan.grid.len(), |[.., wavelength]| match wavelength {
+            4 => 1.0,
+            9 => 2.0,
+            _ => 0.0,
         });
-        let beta = &camera.shade(&[table])[0];
+        let beta = &camera.shade(&[response])[0];
         // The plain weave at 1.8 diameters covers 0.802 of the cell, 2.52 / π, and what is seen from the light is lit.
         assert!((2.4..2.6).contains(&beta[4]) && beta[9] == 2.0 * beta[4]);
         assert_eq!(beta.iter().filter(|b| **b != 0.0).count(), 2);

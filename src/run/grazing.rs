@@ -3,7 +3,7 @@ use crate::geometry::Vec3;
 use crate::rig::{PixelSamples, RigError, omega_in, view_cell};
 use crate::study::MethodChoice;
 use crate::transport::{Purpose, Stream};
-use crate::yarn::{FactorWeights, WeightTally};
+use crate::yarn::{ResponseWeights, WeightTally, YarnResponse};
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -23,7 +23,7 @@ pub(crate) fn hemisphere(
     rng: &mut impl Rng,
     theta_i_deg: f64,
     side: f64,
-) -> FactorWeights {
+) -> ResponseWeights {
     let mut tally = WeightTally::new(plan.factor_grid);
     let exit_grid = plan.factor_grid.surface().exit();
     let light = omega_in(theta_i_deg, plan.study.cloth.azimuth_deg);
@@ -61,15 +61,12 @@ pub(crate) fn hemisphere(
 /// None for a study that a plan was made of.
 pub fn white_albedo(plan: &Plan, theta_i_deg: f64) -> Result<f64, RigError> {
     let grid = plan.factor_grid;
-    let per_tilt = grid.cells() / grid.tilts();
-    let white: Vec<f64> = (0..grid.cells())
-        .map(|cell| grid.mean_cosine(cell / per_tilt) / (PI * PI))
-        .collect();
+    let white = YarnResponse::from_fn(grid, 1, |[tilt, ..]| grid.mean_cosine(tilt) / (PI * PI));
     let samples = PixelSamples::new(PIXELS, PIXELS)?;
     let number = STREAM + (theta_i_deg * 1e6).round() as usize;
     let sides = [1.0, -1.0].map(|side| {
         let mut rng = Stream::open(plan.study.seed, Purpose::Camera, number, usize::from(side > 0.0), 0);
-        hemisphere(plan, &samples, &mut rng, theta_i_deg, side).contract(&white, 1)[0]
+        hemisphere(plan, &samples, &mut rng, theta_i_deg, side).contract(&white)[0]
     });
     Ok(sides.iter().sum())
 }

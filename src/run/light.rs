@@ -5,7 +5,7 @@ use crate::geometry::Vec3;
 use crate::rig::{omega_in, omega_out};
 use crate::spectrum::Samples;
 use crate::woven::{Beam, Bounces, ClothBatch, ClothLedger, Detector, Onlookers, Places, Sight, ViewCones, Volumetric};
-use crate::yarn::{DirectBatch, DirectTracer, Estimator, Sharing, YarnScatter};
+use crate::yarn::{DirectTracer, Estimator, Sharing, YarnResponse, YarnSampler};
 use rayon::prelude::*;
 use std::iter::zip;
 
@@ -142,7 +142,7 @@ pub struct FactorCloth<'a> {
     tubes: Tubes,
     plan: &'a Plan,
     /// f* of [`Plan::different_yarns`] in each batch.
-    scatter: Vec<Vec<YarnScatter>>,
+    scatter: Vec<Vec<YarnSampler>>,
     particles: usize,
     surface_reflection: bool,
 }
@@ -162,14 +162,8 @@ impl<'a> FactorCloth<'a> {
         let batches = plan.direct_effort.batches;
         let mut scatter = Vec::with_capacity(batches);
         for batch in 0..batches {
-            let of_yarns = zip(plan.different_yarns(), &tracers).map(|(yarn, tracer)| {
-                let DirectBatch {
-                    radiance_factor,
-                    passages,
-                    ..
-                } = tracer.batch(batch);
-                YarnScatter::new(yarn, plan.factor_grid, &radiance_factor, &passages)
-            });
+            let of_yarns =
+                zip(plan.different_yarns(), &tracers).map(|(yarn, tracer)| tracer.batch(batch).response.sampler(yarn));
             scatter.push(of_yarns.collect::<Result<Vec<_>, _>>()?);
             progress(1.0 / batches as f64);
         }
@@ -245,17 +239,16 @@ impl<'a> LightBetween<'a> {
     }
 
     /// β, at the views of each incidence, of light that the first yarn it met has not scattered, or not alone; the ledger is of
-    /// all light. `tables` are f* of the batch and `passages` go with them, one for each of [`Plan::different_yarns`].
+    /// all light. `responses` are those of the batch, one for each of [`Plan::different_yarns`].
     pub fn brightness(
         &self,
-        tables: &[Vec<f64>],
-        passages: &[Vec<f64>],
+        responses: &[YarnResponse],
         lit: &[LitViews],
         batch: usize,
     ) -> Result<Vec<LitBatch>, RunError> {
         let plan = self.plan;
-        let scatter = zip(plan.different_yarns(), zip(tables, passages))
-            .map(|(yarn, (table, passages))| YarnScatter::new(yarn, plan.factor_grid, table, passages))
+        let scatter = zip(plan.different_yarns(), responses)
+            .map(|(yarn, response)| response.sampler(yarn))
             .collect::<Result<Vec<_>, _>>()?;
         let [Some(warp), Some(weft)] = [scatter.first(), scatter.last()] else {
             return Ok(Vec::new());

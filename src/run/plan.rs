@@ -20,7 +20,7 @@ use crate::study::{
 use crate::transport::{Cylinder, Roulette};
 use crate::weave::WeaveDraft;
 use crate::woven::YarnSurface;
-use crate::yarn::{BssrdfGrid, Effort, Estimator, IncidentGrid, RadianceFactorGrid, SurfaceGrid, Yarn, YarnError};
+use crate::yarn::{BssrdfGrid, Effort, Estimator, IncidentGrid, SurfaceGrid, Yarn, YarnError, YarnResponseGrid};
 use std::path::{Path, PathBuf};
 
 /// Why a study cannot be run.
@@ -141,7 +141,7 @@ pub struct Plan {
     pub incident: IncidentGrid,
     pub bssrdf_surface: SurfaceGrid,
     pub bssrdf_effort: Effort,
-    pub factor_grid: RadianceFactorGrid,
+    pub factor_grid: YarnResponseGrid,
     pub direct_effort: Effort,
     pub cloth_spec: ClothSpec,
     /// Reflectance of what lies under the cloth; `None` where light goes on.
@@ -314,13 +314,13 @@ pub(super) fn incident_grid(trace: &TraceSection) -> Result<IncidentGrid, YarnEr
 }
 
 /// Axes of f*.
-pub(super) fn factor_grid(trace: &TraceSection) -> Result<RadianceFactorGrid, YarnError> {
+pub(super) fn factor_grid(trace: &TraceSection) -> Result<YarnResponseGrid, YarnError> {
     let surface = SurfaceGrid::new(
         trace.exit_azimuth_cells as usize,
         trace.exit_theta_cells as usize,
         trace.exit_phi_cells as usize,
     )?;
-    RadianceFactorGrid::new(trace.tilts as usize, surface)
+    YarnResponseGrid::new(trace.tilts as usize, surface)
 }
 
 /// Where and in what direction light leaves in the stored BSSRDF.

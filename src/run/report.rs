@@ -11,7 +11,7 @@ use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Nam
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
 use crate::shading::Classical;
 use crate::study::{MediumSection, MethodChoice, NumberOrTable};
-use crate::yarn::{DirectBatch, DirectTracer, Effort};
+use crate::yarn::{DirectTracer, Effort, YarnResponse};
 
 /// Least effort of a point of the sweep: batches, and the share of the study's paths.
 const SWEEP_BATCHES: usize = 4;
@@ -315,18 +315,10 @@ fn orders(plan: &Plan, traced: usize) -> Result<[ColourRatios; 2], RunError> {
     let lit = lit_views(plan, &[NORMAL]);
     let [mut direct, mut all] = [Vec::new(), Vec::new()];
     for batch in 0..batches {
-        let traced = tracers.iter().map(|tracer| {
-            let DirectBatch {
-                radiance_factor,
-                passages,
-                ..
-            } = tracer.batch(batch);
-            (radiance_factor, passages)
-        });
-        let (tables, passages): (Vec<_>, Vec<_>) = traced.unzip();
-        let sunlit = CameraBatch::trace(plan, &[NORMAL], batch).shade(&tables);
+        let responses: Vec<YarnResponse> = tracers.iter().map(|tracer| tracer.batch(batch).response).collect();
+        let sunlit = CameraBatch::trace(plan, &[NORMAL], batch).shade(&responses);
         let mut whole = sunlit.clone();
-        for of in between.brightness(&tables, &passages, &lit, batch)? {
+        for of in between.brightness(&responses, &lit, batch)? {
             for (sum, beta) in whole.iter_mut().flatten().zip(of.beta.iter().flatten()) {
                 *sum += beta;
             }
@@ -394,8 +386,8 @@ fn sweep(
                 .collect::<Result<Vec<_>, _>>()?;
             let diffuse = std::iter::zip(0.., &cameras)
                 .map(|(batch, camera)| {
-                    let tables: Vec<Vec<f64>> = tracers.iter().map(|t| t.batch(batch).radiance_factor).collect();
-                    camera.shade(&tables)
+                    let responses: Vec<YarnResponse> = tracers.iter().map(|t| t.batch(batch).response).collect();
+                    camera.shade(&responses)
                 })
                 .collect();
             let curves = SpectralCurves::new(plan, vec![NORMAL], diffuse);

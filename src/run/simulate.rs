@@ -8,7 +8,7 @@ use crate::report::{AskedEffort, EffortNote, EnergyRow, PathsPerBatch, ReachedPr
 use crate::study::{MethodChoice, ShadeWith};
 use crate::transport::{Ledger, LedgerEntry};
 use crate::woven::ClothLedger;
-use crate::yarn::{DirectTracer, EnergyTracer, IncidentGrid, PatchTracer, Yarn};
+use crate::yarn::{DirectTracer, EnergyTracer, IncidentGrid, PatchTracer, Yarn, YarnResponse};
 
 /// What one batch of light through yarn, cloth and rig gives. Nothing in it grows with the number of paths.
 #[derive(Clone, Debug, PartialEq)]
@@ -126,21 +126,15 @@ impl<'a> Simulator<'a> {
         let ledgers = self.energy.batch(batch).ledgers;
         let (mut diffuse, followed) = match &self.light {
             Light::RadianceFactor(shading, between) => {
-                let tables = |of: &Shading| match of {
-                    Shading::Direct(tracer) => {
-                        let batch = tracer.batch(batch);
-                        (batch.radiance_factor, batch.passages)
-                    }
-                    Shading::Bssrdf(tracer) => {
-                        let batch = tracer.batch(batch);
-                        (batch.radiance_factor, batch.passages)
-                    }
+                let response = |of: &Shading| match of {
+                    Shading::Direct(tracer) => tracer.batch(batch).response,
+                    Shading::Bssrdf(tracer) => tracer.batch(batch).response,
                 };
-                let (tables, passages): (Vec<_>, Vec<_>) = shading.iter().map(tables).unzip();
-                let sunlit = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&tables);
+                let responses: Vec<YarnResponse> = shading.iter().map(response).collect();
+                let sunlit = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&responses);
                 let between = between
                     .as_ref()
-                    .map(|light| light.brightness(&tables, &passages, &self.lit, batch));
+                    .map(|light| light.brightness(&responses, &self.lit, batch));
                 (sunlit, between.transpose()?.unwrap_or_default())
             }
             Light::Volumetric(cloth) => {

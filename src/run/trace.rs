@@ -62,18 +62,14 @@ impl<'a> YarnTracer<'a> {
         let (bssrdf, summed) = {
             let patch = self.patch.batch(batch);
             let rounded: Vec<f32> = patch.fractions.iter().map(|&fraction| fraction as f32).collect();
-            (rounded, patch.radiance_factor)
+            (rounded, patch.response.into_values())
         };
         let energy = self.energy.batch(batch);
-        let DirectBatch {
-            radiance_factor,
-            lengths,
-            ..
-        } = self.direct.batch(batch);
+        let DirectBatch { response, lengths, .. } = self.direct.batch(batch);
         YarnBatch {
             ledgers: energy.ledgers,
             energy_by_length: energy.lengths.into_flattened(),
-            direct: radiance_factor,
+            direct: response.into_values(),
             summed,
             bssrdf,
             by_length: lengths,

@@ -8,12 +8,12 @@ use crate::geometry::Vec3;
 use crate::optics::fresnel::Interface;
 use crate::shading::FibreGloss;
 use crate::transport::{Purpose, Stream};
-use crate::yarn::{Meeting, Yarn, YarnScatter, kept_by_straight_yarn};
+use crate::yarn::{Meeting, Yarn, YarnSampler, kept_by_straight_yarn};
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 
-/// Light scattered from yarn to yarn by their radiance factors.
+/// Light scattered from yarn to yarn by their responses f*.
 ///
 /// A particle that meets a yarn is, in part, reflected by its surface; the part that crosses without meeting a particle of the
 /// medium goes on through the smooth tube, refracted at each side; of the rest, a table that goes with the yarn's f* says how much
@@ -23,7 +23,7 @@ pub struct Bounces<'a> {
     pub tubes: &'a Tubes,
     /// Of warp and weft, with the same wavelengths.
     pub yarns: [&'a Yarn; 2],
-    pub scatter: [&'a YarnScatter; 2],
+    pub scatter: [&'a YarnSampler; 2],
     /// Reflectance, at each wavelength, of a rough plane under the cloth.
     pub backing: Option<&'a [f64]>,
     /// What becomes of light that the outer surface of a yarn reflects.
@@ -232,7 +232,7 @@ impl Bounces<'_> {
     /// straight to the view: `parts.out` is the rest.
     fn show(
         &self,
-        (scatter, meeting): (&YarnScatter, &Meeting),
+        (scatter, meeting): (&YarnSampler, &Meeting),
         arrival: &Arrival,
         parts: &Parts,
         places: &Places,
@@ -296,7 +296,7 @@ impl Bounces<'_> {
 
     fn scatter<D: Detector>(
         &self,
-        (yarn, scatter, meeting): (&Yarn, &YarnScatter, &Meeting),
+        (yarn, scatter, meeting): (&Yarn, &YarnSampler, &Meeting),
         arrival: &Arrival,
         parts: &mut Parts,
         air: &mut Air<'_, D, Xoshiro256PlusPlus>,
@@ -305,7 +305,7 @@ impl Bounces<'_> {
         let hit = &arrival.hit;
         let numbers = [rng.random(), rng.random(), rng.random()];
         let absorbs = || yarn.medium.mu_a_per_mm().iter().map(|mu_a| *mu_a > 0.0);
-        let Some(leaving) = scatter.draw(meeting, numbers) else {
+        let Some(leaving) = scatter.sample(meeting, numbers) else {
             let inside = || parts.inside.iter().zip(absorbs());
             air.keep(
                 Kept::Absorbed,

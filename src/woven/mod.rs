@@ -2,7 +2,7 @@
 //! particle of it is followed until it has left above or below, or is absorbed.
 //!
 //! Inside a yarn the light is either traced through the medium itself ([`Volumetric`]) or scattered by the yarn's
-//! radiance factor. What happens in the air is the same for both.
+//! response f*. What happens in the air is the same for both.
 
 mod air;
 mod bounces;

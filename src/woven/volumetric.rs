@@ -29,7 +29,7 @@ impl Shape for Inside<'_> {
 }
 
 /// Light traced through the medium of every yarn it meets: refraction at each surface, scattering inside, and on to the
-/// next yarn, with no radiance factor between. The kernel is that of a single yarn.
+/// next yarn, with no f* between. The kernel is that of a single yarn.
 #[derive(Clone, Copy, Debug)]
 pub struct Volumetric<'a> {
     pub tubes: &'a Tubes,

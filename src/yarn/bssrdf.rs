@@ -1,8 +1,9 @@
-use super::radiance_factor::{FactorCells, LightSide};
-use super::{Effort, IncidentGrid, RadianceFactorGrid, Sharing, SurfaceGrid, Yarn, YarnError, add_scaled};
+use super::response_cells::{LightSide, ResponseCells};
+use super::tracer::{LightSource, Tracer};
+use super::{Effort, IncidentGrid, SurfaceGrid, Yarn, YarnError, YarnResponse, YarnResponseGrid, add_scaled};
 use crate::fault::{self, Fault};
 use crate::geometry::{CellFinder, Sectors};
-use crate::transport::{Entry, Ledger, Purpose, Stream};
+use crate::transport::{Cylinder, ENTRY_COORDINATES, Entry, Ledger, Purpose};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -89,17 +90,40 @@ impl BssrdfGrid {
     }
 }
 
+/// Light onto the patch at azimuth 0, even over it; a part is the cell of one of the incident directions.
+struct Patch {
+    cylinder: Cylinder,
+    incident: IncidentGrid,
+    /// Radians.
+    width: f64,
+}
+
+impl LightSource for Patch {
+    fn purpose(&self) -> Purpose {
+        Purpose::Bssrdf
+    }
+
+    #[inline(always)]
+    fn entry(&self, part: usize, [zenith, turn, around, _]: &[f64; ENTRY_COORDINATES]) -> Entry {
+        let position = self.cylinder.at(self.width * (around - 0.5));
+        let frame = self.cylinder.frame(&position);
+        Entry {
+            position,
+            normal: frame.normal,
+            omega_in: frame.to_world(&self.incident.cell(part).direction(*zenith, *turn)),
+        }
+    }
+}
+
 /// Traces the entry patch from the cells of incident directions, and sums over the lit surface to f* as it goes: each
 /// path knows the tilt and azimuth of its light exactly, so that no interpolation between directions blurs the sum.
 pub struct PatchTracer<'a> {
-    yarn: &'a Yarn,
-    sharing: Vec<Sharing<'a>>,
+    tracer: Tracer<'a, Patch>,
     grid: BssrdfGrid,
-    summed: RadianceFactorGrid,
-    cells: FactorCells,
+    summed: YarnResponseGrid,
+    cells: ResponseCells,
     around: Sectors,
     exit: CellFinder,
-    effort: Effort,
 }
 
 /// Result of one batch.
@@ -107,10 +131,8 @@ pub struct PatchTracer<'a> {
 pub struct BssrdfBatch {
     /// Fractions, axes as [`BssrdfGrid`] says.
     pub fractions: Vec<f64>,
-    /// f* as the sum of the BSSRDF over the lit surface, 1/sr: cell × wavelength, wavelength fastest.
-    pub radiance_factor: Vec<f64>,
-    /// See [`super::DirectBatch::passages`].
-    pub passages: Vec<f64>,
+    /// The sum of the BSSRDF over the lit surface.
+    pub response: YarnResponse,
     /// Traced direction × wavelength, wavelength fastest; means over the directions' cells.
     pub ledgers: Vec<Ledger>,
 }
@@ -119,26 +141,25 @@ pub struct BssrdfBatch {
 struct Part {
     first_tilt: usize,
     values: Vec<f64>,
-    passages: Vec<f64>,
+    transfer: Vec<f64>,
     ledgers: Vec<Ledger>,
 }
 
 impl<'a> PatchTracer<'a> {
-    pub fn new(
-        yarn: &'a Yarn,
-        grid: BssrdfGrid,
-        summed: RadianceFactorGrid,
-        effort: Effort,
-    ) -> Result<Self, YarnError> {
+    /// Paths of `effort` are for each direction.
+    pub fn new(yarn: &'a Yarn, grid: BssrdfGrid, summed: YarnResponseGrid, effort: Effort) -> Result<Self, YarnError> {
+        let patch = Patch {
+            cylinder: yarn.cylinder,
+            incident: grid.incident,
+            width: TAU / grid.surface.azimuths as f64,
+        };
         Ok(Self {
-            yarn,
-            sharing: yarn.sharing()?,
+            tracer: Tracer::new(yarn, patch, effort)?,
             summed,
-            cells: FactorCells::new(summed)?,
+            cells: ResponseCells::new(summed)?,
             around: grid.surface.sectors()?,
             exit: grid.surface.exit.finder(),
             grid,
-            effort,
         })
     }
 
@@ -150,8 +171,8 @@ impl<'a> PatchTracer<'a> {
     pub fn batch(&self, batch: usize) -> BssrdfBatch {
         let wavelengths = self.grid.wavelengths;
         let mut fractions = vec![0.0; self.grid.shape().iter().product()];
-        let mut radiance_factor = vec![0.0; self.summed.cells() * wavelengths];
-        let mut passages = vec![0.0; self.summed.passages() * wavelengths];
+        let mut response = YarnResponse::zeros(self.summed, wavelengths);
+        let [factor, transfer] = response.values_mut();
         let mut ledgers = Vec::with_capacity(self.grid.incident.traced() * wavelengths);
         let per_direction = self.grid.values_per_direction();
         let per_tilt = |count: usize| count / self.summed.tilts() * wavelengths;
@@ -162,110 +183,88 @@ impl<'a> PatchTracer<'a> {
                 .map(|(k, fractions)| self.direction(batch, held * HELD_DIRECTIONS + k, fractions))
                 .collect();
             for part in parts {
-                let target = &mut radiance_factor[part.first_tilt * per_tilt(self.summed.cells())..];
+                let target = &mut factor[part.first_tilt * per_tilt(self.summed.cells())..];
                 target.iter_mut().zip(part.values).for_each(|(t, v)| *t += v);
-                let target = &mut passages[part.first_tilt * per_tilt(self.summed.passages())..];
-                target.iter_mut().zip(part.passages).for_each(|(t, v)| *t += v);
+                let target = &mut transfer[part.first_tilt * per_tilt(self.summed.transfer_cells())..];
+                target.iter_mut().zip(part.transfer).for_each(|(t, v)| *t += v);
                 ledgers.extend(part.ledgers);
             }
         }
         let exits = self.summed.surface().exit().cells();
-        for (cell, row) in radiance_factor.chunks_exact_mut(wavelengths).enumerate() {
-            let factor = self.summed.radiance_factor_per_light(cell % exits);
+        for (cell, row) in factor.chunks_exact_mut(wavelengths).enumerate() {
+            let factor = self.summed.response_per_light(cell % exits);
             row.iter_mut().for_each(|value| *value *= factor);
         }
-        for (tilt, rows) in passages.chunks_exact_mut(per_tilt(self.summed.passages())).enumerate() {
+        let of_tilts = transfer.chunks_exact_mut(per_tilt(self.summed.transfer_cells()));
+        for (tilt, rows) in of_tilts.enumerate() {
             let factor = self.summed.fraction_per_light(tilt);
             rows.iter_mut().for_each(|value| *value *= factor);
         }
         BssrdfBatch {
             fractions,
-            radiance_factor,
-            passages,
+            response,
             ledgers,
         }
     }
 
     fn direction(&self, batch: usize, direction: usize, fractions: &mut [f64]) -> Part {
         let wavelengths = self.grid.wavelengths;
-        let (summed, surface) = (&self.summed, &self.grid.surface);
-        let incident = &self.grid.incident;
+        let (summed, incident) = (&self.summed, &self.grid.incident);
+        let cylinder = &self.tracer.yarn().cylinder;
         let cell = incident.cell(direction);
         let [low, high] = cell.sine_of_tilt();
         let tilts = self.cells.tilt(low)..=self.cells.tilt(high);
         let first_cell = summed.cell(*tilts.start(), 0, 0);
-        let first_passage = summed.passage(*tilts.start(), 0, false, 0);
+        let first_transfer = summed.transfer_cell(*tilts.start(), 0, false, 0);
         let reached = |count: usize| count / summed.tilts() * tilts.clone().count() * wavelengths;
         // The part of the hemisphere that this direction and its mirror images stand for.
         let seen = incident.images() * cell.solid_angle();
         let mut values = vec![0.0; reached(summed.cells())];
-        let mut passages = vec![0.0; reached(summed.passages())];
-        let mut ledgers = Vec::with_capacity(wavelengths);
-        let width = TAU / surface.azimuths as f64;
-        let inverse_radius = 1.0 / self.yarn.cylinder.radius_mm();
-        let (half_sin, half_cos) = (0.5 * width).sin_cos();
+        let mut transfer = vec![0.0; reached(summed.transfer_cells())];
+        let inverse_radius = 1.0 / cylinder.radius_mm();
+        let (half_sin, half_cos) = (0.5 * self.tracer.source.width).sin_cos();
         let [_, _, z_cells, exits, _] = self.grid.shape();
-        let paths = self.effort.paths_per_batch;
-        let scale = 1.0 / paths as f64;
-        for sharing in &self.sharing {
-            let here = sharing.first..sharing.first + sharing.interior.wavelengths();
-            let stream = Stream::open(self.effort.seed, Purpose::Bssrdf, direction, batch, sharing.first);
-            let traced = self.yarn.walk(&sharing.interior).trace(
-                stream,
-                paths,
-                |[zenith, turn, around, _]| {
-                    let position = self.yarn.cylinder.at(width * (around - 0.5));
-                    let frame = self.yarn.cylinder.frame(&position);
-                    let omega_in = frame.to_world(&cell.direction(*zenith, *turn));
-                    Entry {
-                        position,
-                        normal: frame.normal,
-                        omega_in,
-                    }
-                },
-                |exit| {
-                    if !exit.scattered {
-                        return;
-                    }
-                    // The entry patch is the middle of sector 0.
-                    let (x, z) = (exit.normal.x, exit.normal.z);
-                    let azimuth = self
-                        .around
-                        .sector(z * half_cos - x * half_sin, x * half_cos + z * half_sin);
-                    let out = self.yarn.cylinder.frame(&exit.position).to_local(&exit.direction);
-                    let z = self.grid.z_cell(exit.position.y);
-                    let at = (azimuth * z_cells + z) * exits + self.exit.cell(&out);
-                    if !(fault::active(Fault::ZOverflow) && (z == 0 || z == z_cells - 1)) {
-                        add_scaled(&mut fractions[at * wavelengths..][here.clone()], exit.weights, scale);
-                    }
-                    let omega_in = &exit.omega_in;
-                    let light = LightSide {
-                        x: omega_in.x,
-                        z: omega_in.z,
-                        tilt: self.cells.tilt(omega_in.y.abs()).clamp(*tilts.start(), *tilts.end()),
-                        axis_reversed: omega_in.y < 0.0,
-                    };
-                    // cos α of the light's azimuth from the patch's normal.
-                    let facing = (exit.entry.x * omega_in.x + exit.entry.z * omega_in.z) * inverse_radius;
-                    let across = (omega_in.x * omega_in.x + omega_in.z * omega_in.z).sqrt();
-                    let cosine = match fault::active(Fault::MissingCosine) {
-                        true => 1.0,
-                        false => facing / across.max(f64::MIN_POSITIVE),
-                    };
-                    let factor = scale * seen * cosine;
-                    let at = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
-                    add_scaled(&mut values[at * wavelengths..][here.clone()], exit.weights, factor);
-                    let entry = self.cells.entry(&light, &exit.entry);
-                    let at = self.cells.passage(&light, entry, &exit.normal) - first_passage;
-                    add_scaled(&mut passages[at * wavelengths..][here.clone()], exit.weights, factor);
-                },
-            );
-            ledgers.extend(traced.ledgers.iter().map(|sum| sum.scaled(scale)));
-        }
+        let share = self.tracer.share_of_path();
+        let ledgers = self.tracer.part(batch, direction, |exit, here| {
+            if !exit.scattered {
+                return;
+            }
+            // The entry patch is the middle of sector 0.
+            let (x, z) = (exit.normal.x, exit.normal.z);
+            let azimuth = self
+                .around
+                .sector(z * half_cos - x * half_sin, x * half_cos + z * half_sin);
+            let out = cylinder.frame(&exit.position).to_local(&exit.direction);
+            let z = self.grid.z_cell(exit.position.y);
+            let at = (azimuth * z_cells + z) * exits + self.exit.cell(&out);
+            if !(fault::active(Fault::ZOverflow) && (z == 0 || z == z_cells - 1)) {
+                add_scaled(&mut fractions[at * wavelengths..][here.clone()], exit.weights, share);
+            }
+            let omega_in = &exit.omega_in;
+            let light = LightSide {
+                x: omega_in.x,
+                z: omega_in.z,
+                tilt: self.cells.tilt(omega_in.y.abs()).clamp(*tilts.start(), *tilts.end()),
+                axis_reversed: omega_in.y < 0.0,
+            };
+            // cos α of the light's azimuth from the patch's normal.
+            let facing = (exit.entry.x * omega_in.x + exit.entry.z * omega_in.z) * inverse_radius;
+            let across = (omega_in.x * omega_in.x + omega_in.z * omega_in.z).sqrt();
+            let cosine = match fault::active(Fault::MissingCosine) {
+                true => 1.0,
+                false => facing / across.max(f64::MIN_POSITIVE),
+            };
+            let factor = share * seen * cosine;
+            let at = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
+            add_scaled(&mut values[at * wavelengths..][here.clone()], exit.weights, factor);
+            let entry = self.cells.entry(&light, &exit.entry);
+            let at = self.cells.transfer_cell(&light, entry, &exit.normal) - first_transfer;
+            add_scaled(&mut transfer[at * wavelengths..][here], exit.weights, factor);
+        });
         Part {
             first_tilt: *tilts.start(),
             values,
-            passages,
+            transfer,
             ledgers,
         }
     }

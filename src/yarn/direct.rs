@@ -1,28 +1,22 @@
-use super::radiance_factor::{FactorCells, LightSide};
-use super::{Effort, LengthBins, LengthTally, RadianceFactorGrid, Sharing, Yarn, YarnError, add_scaled};
+use super::response_cells::{LightSide, ResponseCells};
+use super::tracer::{Beam, Tracer};
+use super::{Effort, LengthBins, LengthTally, Yarn, YarnError, YarnResponse, YarnResponseGrid, add_scaled};
 use crate::fault::{self, Fault};
-use crate::geometry::Vec3;
-use crate::transport::{Entry, Ledger, Purpose, Stream};
+use crate::transport::{Ledger, Purpose};
 use rayon::prelude::*;
 
 /// Parallel beams over the whole yarn, tallied to f* without a BSSRDF between.
 pub struct DirectTracer<'a> {
-    yarn: &'a Yarn,
-    sharing: Vec<Sharing<'a>>,
-    grid: RadianceFactorGrid,
-    cells: FactorCells,
-    effort: Effort,
+    tracer: Tracer<'a, Beam>,
+    grid: YarnResponseGrid,
+    cells: ResponseCells,
     lengths: Option<LengthBins>,
 }
 
 /// Result of one batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectBatch {
-    /// f*, 1/sr: cell of the grid × wavelength, wavelength fastest.
-    pub radiance_factor: Vec<f64>,
-    /// Of all light of a tilt, the fraction that comes in at one place of the section or its mirror image, scatters, and leaves at
-    /// another: passage of the grid × wavelength, wavelength fastest.
-    pub passages: Vec<f64>,
+    pub response: YarnResponse,
     /// Tilt × wavelength, wavelength fastest; fractions of the light that meets the yarn.
     pub ledgers: Vec<Ledger>,
     /// f* by path length; empty where it was not asked for.
@@ -30,53 +24,60 @@ pub struct DirectBatch {
 }
 
 impl<'a> DirectTracer<'a> {
+    /// Paths of `effort` are for each tilt.
     pub fn new(
         yarn: &'a Yarn,
-        grid: RadianceFactorGrid,
+        grid: YarnResponseGrid,
         effort: Effort,
         lengths: Option<LengthBins>,
     ) -> Result<Self, YarnError> {
+        let beam = Beam {
+            purpose: Purpose::Direct,
+            radius_mm: yarn.cylinder.radius_mm(),
+            sines: (0..grid.tilts())
+                .map(|tilt| grid.tilt_edges(tilt).map(f64::sin))
+                .collect(),
+            both_sides: false,
+        };
         Ok(Self {
-            yarn,
-            sharing: yarn.sharing()?,
+            tracer: Tracer::new(yarn, beam, effort)?,
+            cells: ResponseCells::new(grid)?,
             grid,
-            cells: FactorCells::new(grid)?,
-            effort,
             lengths,
         })
     }
 
     /// Traces one batch at every tilt.
     pub fn batch(&self, batch: usize) -> DirectBatch {
-        let tilts: Vec<DirectBatch> = (0..self.grid.tilts())
-            .into_par_iter()
-            .map(|tilt| self.tilt(batch, tilt))
+        let wavelengths = self.tracer.wavelengths();
+        let mut response = YarnResponse::zeros(self.grid, wavelengths);
+        let [factor, transfer] = response.values_mut();
+        let per_tilt = |cells: usize| cells / self.grid.tilts() * wavelengths;
+        let tilts: Vec<(Vec<Ledger>, LengthTally)> = factor
+            .par_chunks_exact_mut(per_tilt(self.grid.cells()))
+            .zip(transfer.par_chunks_exact_mut(per_tilt(self.grid.transfer_cells())))
+            .enumerate()
+            .map(|(tilt, (factor, transfer))| self.tilt(batch, tilt, factor, transfer))
             .collect();
-        let mut whole = DirectBatch {
-            radiance_factor: Vec::with_capacity(self.grid.cells() * self.yarn.wavelengths()),
-            passages: Vec::with_capacity(self.grid.passages() * self.yarn.wavelengths()),
-            ledgers: Vec::new(),
-            lengths: LengthTally::default(),
-        };
-        for tilt in tilts {
-            whole.radiance_factor.extend(tilt.radiance_factor);
-            whole.passages.extend(tilt.passages);
-            whole.ledgers.extend(tilt.ledgers);
-            whole.lengths.amount.extend(tilt.lengths.amount);
-            whole.lengths.moment_mm.extend(tilt.lengths.moment_mm);
+        let mut ledgers = Vec::with_capacity(self.grid.tilts() * wavelengths);
+        let mut lengths = LengthTally::default();
+        for (of_tilt, by_length) in tilts {
+            ledgers.extend(of_tilt);
+            lengths.amount.extend(by_length.amount);
+            lengths.moment_mm.extend(by_length.moment_mm);
         }
-        whole
+        DirectBatch {
+            response,
+            ledgers,
+            lengths,
+        }
     }
 
-    /// Beams evenly spread over the cell of the tilt, in the sine of it: the same radiance from all of that band of sky.
-    fn tilt(&self, batch: usize, tilt: usize) -> DirectBatch {
-        let wavelengths = self.yarn.wavelengths();
+    fn tilt(&self, batch: usize, tilt: usize, values: &mut [f64], transfer: &mut [f64]) -> (Vec<Ledger>, LengthTally) {
+        let wavelengths = self.tracer.wavelengths();
         let exits = self.grid.surface().exit().cells();
-        let cells = self.grid.azimuths() * exits;
         let bins = self.lengths.as_ref().map_or(0, LengthBins::bins);
-        let paths = self.effort.paths_per_batch;
-        let per_path = 1.0 / paths as f64;
-        let [low, high] = self.grid.tilt_edges(tilt).map(f64::sin);
+        let per_path = self.tracer.share_of_path();
         let light = LightSide {
             x: 0.0,
             z: 1.0,
@@ -84,53 +85,29 @@ impl<'a> DirectTracer<'a> {
             axis_reversed: false,
         };
         let first_cell = self.grid.cell(tilt, 0, 0);
-        let first_passage = self.grid.passage(tilt, 0, false, 0);
-        let mut passages = vec![0.0; self.grid.passages() / self.grid.tilts() * wavelengths];
-        let mut values = vec![0.0; cells * wavelengths];
+        let first_transfer = self.grid.transfer_cell(tilt, 0, false, 0);
         let mut lengths = LengthTally {
-            amount: vec![0.0; cells * bins * wavelengths],
-            moment_mm: vec![0.0; cells * bins * wavelengths],
+            amount: vec![0.0; values.len() * bins],
+            moment_mm: vec![0.0; values.len() * bins],
         };
-        let mut ledgers = Vec::with_capacity(wavelengths);
-        for sharing in &self.sharing {
-            let here = sharing.first..sharing.first + sharing.interior.wavelengths();
-            let stream = Stream::open(self.effort.seed, Purpose::Direct, tilt, batch, sharing.first);
-            let traced = self.yarn.walk(&sharing.interior).trace(
-                stream,
-                paths,
-                |[across, along, ..]| {
-                    let h = 2.0 * across - 1.0;
-                    let normal = Vec3::new(h, 0.0, (1.0 - h * h).max(0.0).sqrt());
-                    let sine = low + (high - low) * along;
-                    Entry {
-                        position: normal * self.yarn.cylinder.radius_mm(),
-                        normal,
-                        omega_in: Vec3::new(0.0, sine, (1.0 - sine * sine).sqrt()),
-                    }
-                },
-                |exit| {
-                    if exit.scattered || fault::active(Fault::BallisticBinned) {
-                        let cell = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
-                        add_scaled(&mut values[cell * wavelengths..][here.clone()], exit.weights, 1.0);
-                        let entry = self.cells.entry(&light, &exit.entry);
-                        let passage = self.cells.passage(&light, entry, &exit.normal) - first_passage;
-                        add_scaled(
-                            &mut passages[passage * wavelengths..][here.clone()],
-                            exit.weights,
-                            per_path,
-                        );
-                        if let Some(of) = &self.lengths {
-                            let at = (cell * bins + of.bin(exit.length_mm)) * wavelengths;
-                            add_single(&mut lengths.amount[at..][here.clone()], exit.weights, 1.0);
-                            add_single(&mut lengths.moment_mm[at..][here.clone()], exit.weights, exit.length_mm);
-                        }
-                    }
-                },
-            );
-            ledgers.extend(traced.ledgers.iter().map(|sum| sum.scaled(per_path)));
-        }
+        let ledgers = self.tracer.part(batch, tilt, |exit, here| {
+            if exit.scattered || fault::active(Fault::BallisticBinned) {
+                let cell = self.cells.cell(&light, &exit.normal, &exit.direction) - first_cell;
+                add_scaled(&mut values[cell * wavelengths..][here.clone()], exit.weights, 1.0);
+                let entry = self.cells.entry(&light, &exit.entry);
+                let place = self.cells.transfer_cell(&light, entry, &exit.normal) - first_transfer;
+                let row = &mut transfer[place * wavelengths..][here.clone()];
+                add_scaled(row, exit.weights, per_path);
+                if let Some(of) = &self.lengths {
+                    let at = (cell * bins + of.bin(exit.length_mm)) * wavelengths;
+                    add_single(&mut lengths.amount[at..][here.clone()], exit.weights, 1.0);
+                    add_single(&mut lengths.moment_mm[at..][here], exit.weights, exit.length_mm);
+                }
+            }
+        });
+        let paths = self.tracer.paths_per_batch() as f64;
         let factor: Vec<f64> = (0..exits)
-            .map(|exit| self.grid.radiance_factor_per_fraction(tilt, exit) / paths as f64)
+            .map(|exit| self.grid.response_per_fraction(tilt, exit) / paths)
             .collect();
         for (cell, row) in values.chunks_exact_mut(wavelengths).enumerate() {
             row.iter_mut().for_each(|value| *value *= factor[cell % exits]);
@@ -140,12 +117,7 @@ impl<'a> DirectTracer<'a> {
                 rows.iter_mut().for_each(|value| *value *= factor[cell % exits] as f32);
             }
         }
-        DirectBatch {
-            radiance_factor: values,
-            passages,
-            ledgers,
-            lengths,
-        }
+        (ledgers, lengths)
     }
 }
 

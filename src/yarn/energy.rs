@@ -1,16 +1,34 @@
-use super::{Effort, IncidentGrid, LengthBins, Sharing, Yarn, YarnError};
+use super::tracer::{LightSource, Tracer};
+use super::{Effort, IncidentGrid, LengthBins, Yarn, YarnError};
 use crate::geometry::Vec3;
-use crate::transport::{Entry, Ledger, Purpose, Stream};
+use crate::transport::{ENTRY_COORDINATES, Entry, Ledger, Purpose};
 use rayon::prelude::*;
 
 /// The energy ledger of light that meets the yarn from each of the incident directions. By the cylinder's symmetry one
 /// point of entry stands for all.
 pub struct EnergyTracer<'a> {
-    yarn: &'a Yarn,
-    sharing: Vec<Sharing<'a>>,
-    incident: IncidentGrid,
-    effort: Effort,
+    tracer: Tracer<'a, Point>,
     lengths: Option<LengthBins>,
+}
+
+/// Light onto one point of a yarn; a part is one of the incident directions.
+struct Point {
+    position: Vec3,
+    incident: IncidentGrid,
+}
+
+impl LightSource for Point {
+    fn purpose(&self) -> Purpose {
+        Purpose::Energy
+    }
+
+    fn entry(&self, part: usize, _: &[f64; ENTRY_COORDINATES]) -> Entry {
+        Entry {
+            position: self.position,
+            normal: Vec3::z(),
+            omega_in: self.incident.traced_direction(part),
+        }
+    }
 }
 
 /// Result of one batch.
@@ -24,23 +42,25 @@ pub struct EnergyBatch {
 }
 
 impl<'a> EnergyTracer<'a> {
+    /// Paths of `effort` are for each direction.
     pub fn new(
         yarn: &'a Yarn,
         incident: IncidentGrid,
         effort: Effort,
         lengths: Option<LengthBins>,
     ) -> Result<Self, YarnError> {
-        Ok(Self {
-            yarn,
-            sharing: yarn.sharing()?,
+        let point = Point {
+            position: yarn.cylinder.at(0.0),
             incident,
-            effort,
+        };
+        Ok(Self {
+            tracer: Tracer::new(yarn, point, effort)?,
             lengths,
         })
     }
 
     pub fn batch(&self, batch: usize) -> EnergyBatch {
-        let directions: Vec<EnergyBatch> = (0..self.incident.traced())
+        let directions: Vec<EnergyBatch> = (0..self.tracer.source.incident.traced())
             .into_par_iter()
             .map(|direction| self.direction(batch, direction))
             .collect();
@@ -53,38 +73,23 @@ impl<'a> EnergyTracer<'a> {
     }
 
     fn direction(&self, batch: usize, direction: usize) -> EnergyBatch {
-        let paths = self.effort.paths_per_batch;
-        let scale = 1.0 / paths as f64;
+        let share = self.tracer.share_of_path();
         let bins = self.lengths.as_ref().map_or(0, LengthBins::bins);
-        let entry = Entry {
-            position: self.yarn.cylinder.at(0.0),
-            normal: Vec3::z(),
-            omega_in: self.incident.traced_direction(direction),
-        };
-        let mut result = EnergyBatch::default();
-        for sharing in &self.sharing {
-            let stream = Stream::open(self.effort.seed, Purpose::Energy, direction, batch, sharing.first);
-            let mut lengths = vec![[0.0; 4]; sharing.interior.wavelengths() * bins];
-            let traced = self.yarn.walk(&sharing.interior).trace(
-                stream,
-                paths,
-                |_| entry,
-                |exit| {
-                    if let Some(of) = &self.lengths {
-                        let bin = of.bin(exit.length_mm);
-                        let place = usize::from(exit.scattered);
-                        for (weight, row) in exit.weights.iter().zip(lengths.chunks_exact_mut(bins)) {
-                            row[bin][place] += scale * weight;
-                            row[bin][place + 2] += scale * weight * exit.length_mm;
-                        }
-                    }
-                },
-            );
-            result
-                .ledgers
-                .extend(traced.ledgers.iter().map(|sum| sum.scaled(scale)));
-            result.lengths.extend(lengths);
-        }
-        result
+        let mut lengths = vec![[0.0; 4]; self.tracer.wavelengths() * bins];
+        let ledgers = self.tracer.part(batch, direction, |exit, here| {
+            if let Some(of) = &self.lengths {
+                let bin = of.bin(exit.length_mm);
+                let place = usize::from(exit.scattered);
+                for (weight, row) in exit
+                    .weights
+                    .iter()
+                    .zip(lengths[here.start * bins..].chunks_exact_mut(bins))
+                {
+                    row[bin][place] += share * weight;
+                    row[bin][place + 2] += share * weight * exit.length_mm;
+                }
+            }
+        });
+        EnergyBatch { ledgers, lengths }
     }
 }

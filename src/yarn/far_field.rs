@@ -1,6 +1,6 @@
-use super::{Effort, Sharing, Yarn, YarnError, add_scaled};
-use crate::geometry::Vec3;
-use crate::transport::{Entry, Ledger, Purpose, Stream};
+use super::tracer::{Beam, Tracer};
+use super::{Effort, Yarn, YarnError, add_scaled};
+use crate::transport::{Ledger, Purpose};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -54,10 +54,8 @@ impl FarFieldGrid {
 
 /// What a yarn makes of parallel beams as seen from afar, where it is a line: no place on it matters any more.
 pub struct FarFieldTracer<'a> {
-    yarn: &'a Yarn,
-    sharing: Vec<Sharing<'a>>,
+    tracer: Tracer<'a, Beam>,
     grid: FarFieldGrid,
-    effort: Effort,
 }
 
 /// Result of one batch.
@@ -74,11 +72,15 @@ pub struct FarFieldBatch {
 impl<'a> FarFieldTracer<'a> {
     /// Paths of `effort` are for each tilt.
     pub fn new(yarn: &'a Yarn, grid: FarFieldGrid, effort: Effort) -> Result<Self, YarnError> {
+        let beam = Beam {
+            purpose: Purpose::Check,
+            radius_mm: yarn.cylinder.radius_mm(),
+            sines: (0..grid.tilts).map(|tilt| grid.sines(tilt)).collect(),
+            both_sides: true,
+        };
         Ok(Self {
-            yarn,
-            sharing: yarn.sharing()?,
+            tracer: Tracer::new(yarn, beam, effort)?,
             grid,
-            effort,
         })
     }
 
@@ -88,7 +90,7 @@ impl<'a> FarFieldTracer<'a> {
             .map(|tilt| self.tilt(batch, tilt))
             .collect();
         let mut whole = FarFieldBatch {
-            scattered: Vec::with_capacity(self.grid.cells() * self.yarn.wavelengths()),
+            scattered: Vec::with_capacity(self.grid.cells() * self.tracer.wavelengths()),
             ledgers: Vec::new(),
         };
         for tilt in tilts {
@@ -100,47 +102,25 @@ impl<'a> FarFieldTracer<'a> {
 
     fn tilt(&self, batch: usize, tilt: usize) -> FarFieldBatch {
         let grid = &self.grid;
-        let wavelengths = self.yarn.wavelengths();
-        let paths = self.effort.paths_per_batch;
-        let scale = 1.0 / paths as f64;
+        let wavelengths = self.tracer.wavelengths();
+        let share = self.tracer.share_of_path();
         let [low, high] = grid.sines(tilt);
         let first_cell = grid.cell((tilt, false), (0, false), false, 0);
         let mut scattered = vec![0.0; grid.cells() / grid.tilts * wavelengths];
-        let mut ledgers = Vec::with_capacity(wavelengths);
-        for sharing in &self.sharing {
-            let here = sharing.first..sharing.first + sharing.interior.wavelengths();
-            let stream = Stream::open(self.effort.seed, Purpose::Check, tilt, batch, sharing.first);
-            let traced = self.yarn.walk(&sharing.interior).trace(
-                stream,
-                paths,
-                |[across, along, side, _]| {
-                    let h = 2.0 * across - 1.0;
-                    let normal = Vec3::new(h, 0.0, (1.0 - h * h).max(0.0).sqrt());
-                    let sine = low + (high - low) * along;
-                    let cosine = (1.0 - sine * sine).sqrt();
-                    Entry {
-                        position: normal * self.yarn.cylinder.radius_mm(),
-                        normal,
-                        omega_in: Vec3::new(0.0, if *side < 0.5 { sine } else { -sine }, cosine),
-                    }
-                },
-                |exit| {
-                    if !exit.scattered {
-                        return;
-                    }
-                    let out = &exit.direction;
-                    let seen = ((out.y.abs() * grid.tilts as f64) as usize).min(grid.tilts - 1);
-                    let azimuth = out.x.abs().atan2(out.z) / PI * grid.azimuths as f64;
-                    let azimuth = (azimuth as usize).min(grid.azimuths - 1);
-                    let from = (tilt, exit.omega_in.y < 0.0);
-                    let cell = grid.cell(from, (seen, out.y < 0.0), out.x < 0.0, azimuth) - first_cell;
-                    // Beams even in sin ψ; of each the yarn meets cos ψ.
-                    let factor = scale * (high - low) * exit.omega_in.z;
-                    add_scaled(&mut scattered[cell * wavelengths..][here.clone()], exit.weights, factor);
-                },
-            );
-            ledgers.extend(traced.ledgers.iter().map(|sum| sum.scaled(scale)));
-        }
+        let ledgers = self.tracer.part(batch, tilt, |exit, here| {
+            if !exit.scattered {
+                return;
+            }
+            let out = &exit.direction;
+            let seen = ((out.y.abs() * grid.tilts as f64) as usize).min(grid.tilts - 1);
+            let azimuth = out.x.abs().atan2(out.z) / PI * grid.azimuths as f64;
+            let azimuth = (azimuth as usize).min(grid.azimuths - 1);
+            let from = (tilt, exit.omega_in.y < 0.0);
+            let cell = grid.cell(from, (seen, out.y < 0.0), out.x < 0.0, azimuth) - first_cell;
+            // Beams even in sin ψ; of each the yarn meets cos ψ.
+            let factor = share * (high - low) * exit.omega_in.z;
+            add_scaled(&mut scattered[cell * wavelengths..][here], exit.weights, factor);
+        });
         FarFieldBatch { scattered, ledgers }
     }
 }

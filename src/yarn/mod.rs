@@ -1,4 +1,4 @@
-//! Light in one yarn: Monte Carlo from a patch (BSSRDF) and from a parallel beam, and the radiance factor f* they give.
+//! Light in one yarn: Monte Carlo from a patch (BSSRDF) and from a parallel beam, and the yarn response f* they give.
 
 mod bssrdf;
 mod direct;
@@ -6,9 +6,13 @@ mod directions;
 mod energy;
 mod far_field;
 mod lengths;
-mod radiance_factor;
 mod reabsorption;
-mod scatter;
+mod response;
+mod response_cells;
+mod response_grid;
+mod response_weights;
+mod sampler;
+mod tracer;
 
 pub use bssrdf::{BssrdfBatch, BssrdfGrid, PatchTracer};
 pub use direct::{DirectBatch, DirectTracer};
@@ -16,9 +20,11 @@ pub use directions::IncidentGrid;
 pub use energy::{EnergyBatch, EnergyTracer};
 pub use far_field::{FarFieldBatch, FarFieldGrid, FarFieldTracer};
 pub use lengths::{LengthBins, LengthSums, LengthTally};
-pub use radiance_factor::{FactorWeights, RadianceFactorGrid, WeightTally};
 pub use reabsorption::{ByLength, Change, Reabsorption, Reweighted, Support};
-pub use scatter::{Leaving, Meeting, YarnScatter, kept_by_straight_yarn};
+pub use response::YarnResponse;
+pub use response_grid::YarnResponseGrid;
+pub use response_weights::{ResponseWeights, WeightTally};
+pub use sampler::{Leaving, Meeting, YarnSampler, kept_by_straight_yarn};
 
 use crate::fault::{self, Fault};
 use crate::geometry::{HemisphereGrid, Sectors};
@@ -34,6 +40,12 @@ pub enum YarnError {
     Count {
         quantity: &'static str,
         expected: &'static str,
+        found: usize,
+    },
+    #[error("{quantity}: expected {expected} values for the axes of its grid, found {found}")]
+    Values {
+        quantity: &'static str,
+        expected: usize,
         found: usize,
     },
     /// What was traced does not carry the change of absorption; what differs too much must be traced.

@@ -3,7 +3,7 @@ use crate::report::InputDigest;
 use crate::run::plan::{bssrdf_surface, factor_grid, incident_grid};
 use crate::run::{Plan, Reabsorbed, RunError};
 use crate::study::Study;
-use crate::yarn::{BssrdfGrid, IncidentGrid, LengthBins, RadianceFactorGrid};
+use crate::yarn::{BssrdfGrid, IncidentGrid, LengthBins, YarnResponseGrid};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -52,7 +52,7 @@ pub struct YarnLayout {
     pub settings: YarnSettings,
     pub axes: YarnAxes,
     pub incident: IncidentGrid,
-    pub factor_grid: RadianceFactorGrid,
+    pub factor_grid: YarnResponseGrid,
     /// Traced incident direction × exit azimuth × z × exit cell × wavelength.
     pub bssrdf_shape: [usize; 5],
 }

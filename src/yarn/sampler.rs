@@ -1,5 +1,5 @@
-use super::radiance_factor::{FactorCells, LightSide};
-use super::{RadianceFactorGrid, Yarn, YarnError};
+use super::response_cells::{LightSide, ResponseCells};
+use super::{Yarn, YarnError, YarnResponse, YarnResponseGrid};
 use crate::geometry::Vec3;
 use crate::optics::fresnel::{self, Interface};
 use std::f64::consts::{PI, TAU};
@@ -10,12 +10,12 @@ use std::f64::consts::{PI, TAU};
 ///
 /// Directions and normals are components along (tangent, axis, normal) where the particle met the yarn; the normal of any
 /// other point of the section is (sin φ, 0, cos φ).
-pub struct YarnScatter {
-    grid: RadianceFactorGrid,
-    cells: FactorCells,
+pub struct YarnSampler {
+    grid: YarnResponseGrid,
+    cells: ResponseCells,
     wavelengths: usize,
     /// Of the light that enters at an entry cell and is not ballistic, the fraction that leaves at an azimuth cell:
-    /// passage × wavelength.
+    /// transfer cell × wavelength.
     crossing: Vec<f64>,
     /// Their sums over where light leaves: tilt × entry × wavelength.
     albedo: Vec<f64>,
@@ -37,12 +37,12 @@ pub struct Meeting {
     entered: (usize, bool),
 }
 
-/// Where, in what direction, and by which passage and cell a particle leaves.
+/// Where, in what direction, and by which transfer cell and exit cell a particle leaves.
 #[derive(Clone, Copy, Debug)]
 pub struct Leaving {
     pub normal: Vec3,
     pub direction: Vec3,
-    passage: usize,
+    transfer: usize,
     cell: usize,
     probability: f64,
 }
@@ -51,16 +51,28 @@ pub struct Leaving {
 const TILT_NODES: usize = 8;
 const WIDTH_NODES: usize = 72;
 
-impl YarnScatter {
-    /// `table` is f* on the grid, cell × wavelength, and `passages` go with it, passage × wavelength, wavelength fastest.
-    pub fn new(yarn: &Yarn, grid: RadianceFactorGrid, table: &[f64], passages: &[f64]) -> Result<Self, YarnError> {
-        let wavelengths = yarn.medium.grid().len();
+impl YarnSampler {
+    /// Of the yarn that the response was traced in.
+    ///
+    /// # Errors
+    /// A yarn with other wavelengths.
+    pub fn new(yarn: &Yarn, response: &YarnResponse) -> Result<Self, YarnError> {
+        let grid = *response.grid();
+        let wavelengths = yarn.wavelengths();
+        if response.wavelengths() != wavelengths {
+            return Err(YarnError::Values {
+                quantity: "wavelengths of f*",
+                expected: wavelengths,
+                found: response.wavelengths(),
+            });
+        }
+        let (table, transfer) = (response.values(), response.transfer_values());
         let exits = grid.surface().exit().cells();
-        let mut crossing = Vec::with_capacity(passages.len());
+        let mut crossing = Vec::with_capacity(transfer.len());
         let mut albedo = Vec::with_capacity(grid.tilts() * grid.entries() * wavelengths);
-        let mut azimuths_chosen = Vec::with_capacity(grid.passages());
+        let mut azimuths_chosen = Vec::with_capacity(grid.transfer_cells());
         let of_entry = 2 * grid.azimuths() * wavelengths;
-        for (entry, rows) in passages.chunks_exact(of_entry).enumerate() {
+        for (entry, rows) in transfer.chunks_exact(of_entry).enumerate() {
             let tilts = grid.tilt_edges(entry / grid.entries());
             let entering = scattered_or_absorbed(yarn, tilts, grid.entry_edges(entry % grid.entries()));
             let first = crossing.len();
@@ -78,7 +90,7 @@ impl YarnScatter {
             let tilt = place / grid.azimuths();
             let first = leaving.len();
             for (exit, row) in rows.chunks_exact(wavelengths).enumerate() {
-                let fraction = 1.0 / grid.radiance_factor_per_fraction(tilt, exit);
+                let fraction = 1.0 / grid.response_per_fraction(tilt, exit);
                 leaving.extend(row.iter().map(|f| f * fraction));
             }
             let here = &mut leaving[first..];
@@ -91,7 +103,7 @@ impl YarnScatter {
             choose(here, wavelengths, &mut exits_chosen);
         }
         Ok(Self {
-            cells: FactorCells::new(grid)?,
+            cells: ResponseCells::new(grid)?,
             grid,
             wavelengths,
             crossing,
@@ -122,8 +134,8 @@ impl YarnScatter {
         &self.albedo[meeting.entry * self.wavelengths..(meeting.entry + 1) * self.wavelengths]
     }
 
-    /// Draws where a particle leaves, from three even numbers; `None` for a yarn that scatters nothing.
-    pub fn draw(&self, meeting: &Meeting, [u, v, w]: [f64; 3]) -> Option<Leaving> {
+    /// Draws where a particle leaves, by three uniform random numbers; `None` for a yarn that scatters nothing.
+    pub fn sample(&self, meeting: &Meeting, [u, v, w]: [f64; 3]) -> Option<Leaving> {
         let exit = self.grid.surface().exit();
         let exits = exit.cells();
         let azimuths = self.grid.azimuths();
@@ -156,32 +168,49 @@ impl YarnScatter {
                 axis,
                 cos * cos_phi - tangent * sin_phi,
             ),
-            passage: meeting.entry * 2 * azimuths + at.cell,
+            transfer: meeting.entry * 2 * azimuths + at.cell,
             cell: place * exits + out.cell,
             probability: at.probability * out.probability,
         })
     }
 
+    /// Density with which [`Self::sample`] draws a point of the section and a direction there, per radian of azimuth and
+    /// steradian perpendicular to the direction; 0 for a yarn that scatters nothing.
+    pub fn pdf(&self, meeting: &Meeting, normal: &Vec3, direction: &Vec3) -> f64 {
+        let azimuths = self.grid.azimuths();
+        let exit = self.grid.surface().exit();
+        let transfer = self.cells.transfer_cell(&meeting.side, meeting.entered, normal);
+        let cell = self.cells.cell(&meeting.side, normal, direction);
+        let of_entry = 2 * azimuths;
+        let place = probability(
+            &self.azimuths_chosen[meeting.entry * of_entry..][..of_entry],
+            transfer % of_entry,
+        );
+        let exits = &self.exits_chosen[cell / exit.cells() * exit.cells()..][..exit.cells()];
+        let width = PI / azimuths as f64;
+        place * probability(exits, cell % exit.cells()) / (width * exit.projected_solid_angle(cell % exit.cells()))
+    }
+
     /// What the weights of light that is neither reflected nor ballistic are worth after the draw, at each wavelength.
     pub fn worth(&self, leaving: &Leaving) -> impl Iterator<Item = f64> {
         let share = 1.0 / leaving.probability;
-        self.rows(leaving.passage, leaving.cell).map(move |x| x * share)
+        self.rows(leaving.transfer, leaving.cell).map(move |x| x * share)
     }
 
     /// Of light that is neither reflected nor ballistic, the fraction that leaves at a point of the section along a direction, per
     /// radian of azimuth and steradian perpendicular to the direction, at each wavelength: over the surface per radian, the radiance.
     pub fn radiance(&self, meeting: &Meeting, normal: &Vec3, direction: &Vec3) -> impl Iterator<Item = f64> {
         let cell = self.cells.cell(&meeting.side, normal, direction);
-        let passage = self.cells.passage(&meeting.side, meeting.entered, normal);
+        let transfer = self.cells.transfer_cell(&meeting.side, meeting.entered, normal);
         let exit = self.grid.surface().exit();
         let width = PI / self.grid.azimuths() as f64;
         let per = 1.0 / (width * exit.projected_solid_angle(cell % exit.cells()));
-        self.rows(passage, cell).map(move |x| x * per)
+        self.rows(transfer, cell).map(move |x| x * per)
     }
 
     /// Fractions that leave at a place of the section, through a cell.
-    fn rows(&self, passage: usize, cell: usize) -> impl Iterator<Item = f64> {
-        let crossing = &self.crossing[passage * self.wavelengths..][..self.wavelengths];
+    fn rows(&self, transfer: usize, cell: usize) -> impl Iterator<Item = f64> {
+        let crossing = &self.crossing[transfer * self.wavelengths..][..self.wavelengths];
         let leaving = &self.leaving[cell * self.wavelengths..][..self.wavelengths];
         crossing.iter().zip(leaving).map(|(x, y)| x * y)
     }
@@ -211,7 +240,14 @@ fn choose(rows: &[f64], wavelengths: usize, chosen: &mut Vec<f64>) {
     }
 }
 
-/// A cell drawn by running sums of probability, and what is left of the even number that chose it.
+/// With what probability running sums choose a cell.
+fn probability(sums: &[f64], cell: usize) -> f64 {
+    let total = sums.last().copied().unwrap_or(0.0);
+    let below = if cell == 0 { 0.0 } else { sums[cell - 1] };
+    if total > 0.0 { (sums[cell] - below) / total } else { 0.0 }
+}
+
+/// A cell drawn by running sums of probability, and what is left of the uniform random number that chose it.
 struct Drawn {
     cell: usize,
     probability: f64,
@@ -219,9 +255,9 @@ struct Drawn {
 }
 
 impl Drawn {
-    fn from(sums: &[f64], even: f64) -> Option<Self> {
+    fn from(sums: &[f64], uniform: f64) -> Option<Self> {
         let total = *sums.last()?;
-        let wanted = even * total;
+        let wanted = uniform * total;
         let cell = sums.partition_point(|sum| *sum <= wanted).min(sums.len() - 1);
         let below = if cell == 0 { 0.0 } else { sums[cell - 1] };
         let wide = sums[cell] - below;
