@@ -1,4 +1,4 @@
-//! Numbers as people write them, for messages.
+//! Numbers as people write them, for messages, and as JSON documents have them.
 
 /// Significant digits of a number in a message: enough for any value that was typed, too few for the rounding of binary fractions.
 const DIGITS: usize = 10;
@@ -20,6 +20,12 @@ pub fn shown(value: f64) -> String {
     } else {
         format!("{rounded:e}")
     }
+}
+
+/// Reads a number of a JSON document, which writes one that is not known as null.
+pub fn nan_from_null<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    let value: Option<f64> = serde::Deserialize::deserialize(deserializer)?;
+    Ok(value.unwrap_or(f64::NAN))
 }
 
 #[cfg(test)]

@@ -130,6 +130,69 @@ fn report_files(study: &str, estimator: &str, threads: &str) -> Vec<(String, Vec
     files
 }
 
+/// All bytes of a folder's files, by name.
+fn files_of(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut files: Vec<(String, Vec<u8>)> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap())
+        .map(|entry| {
+            (
+                entry.file_name().into_string().unwrap(),
+                fs::read(entry.path()).unwrap(),
+            )
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn a_result_is_drawn_again_to_the_same_bytes() {
+    let unlit = format!("{SMALL}[medium]\nvolume_fraction = 0\n");
+    for study in [SMALL, &unlit] {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("study.toml"), study).unwrap();
+        // Few paths leave errors unknown and withhold verdicts: null in the file.
+        for paths in ["8", "2000"] {
+            let traced = ["report", "study.toml", "--paths", paths, "--out", "traced", "--force"];
+            succeed(folder.path(), &traced);
+            let traced = files_of(&folder.path().join("traced"));
+            succeed(
+                folder.path(),
+                &["report", "--from", "traced/result.json", "--out", "drawn", "--force"],
+            );
+            assert!(traced == files_of(&folder.path().join("drawn")), "{paths}");
+            // Also into its own folder, where only files that it wrote stand.
+            succeed(folder.path(), &["report", "--from", "traced", "--out", "traced"]);
+            assert!(traced == files_of(&folder.path().join("traced")), "{paths}");
+        }
+    }
+}
+
+#[test]
+fn a_result_that_is_none_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let of_version = |version: u32| format!("{{\"format\":\"specval result\",\"format_version\":{version}}}");
+    for (content, arguments, word) in [
+        ("{}", &[][..], "another document"),
+        ("wavelength_nm,a\n", &[], "found"),
+        (&of_version(2), &[], "version 2"),
+        (&of_version(1), &[], "missing field"),
+        (&of_version(1), &["--seed", "3"], "leave --seed out"),
+        (&of_version(1), &["--quick"], "cannot be used"),
+    ] {
+        fs::write(folder.path().join("result.json"), content).unwrap();
+        let output = specval(
+            folder.path(),
+            &[&["report", "--from", "result.json"], arguments].concat(),
+        );
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(word), "{message}");
+        assert!(!folder.path().join("report").exists(), "left behind");
+    }
+}
+
 /// The quick report of the built-in study: Table 1 within four of its own standard errors of the committed reference
 /// report (false alarms 0.01 %), the reference inside the ranges the preprint's cotton asks for, in seconds.
 #[test]

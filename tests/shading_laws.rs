@@ -1,7 +1,7 @@
 //! Laws of the flat shading models.
 
 use nalgebra::Vector3;
-use specval::shading::{Brdf, Classical, Distribution, ShadingError, Specular};
+use specval::shading::{Brdf, Classical, Distribution, ShadingError, ShadingModel, Specular};
 use std::f64::consts::PI;
 
 type Vec3 = Vector3<f64>;
@@ -182,7 +182,7 @@ fn classical_is_the_sample_seen_head_on_plus_white_gloss() {
         let (l, v) = (direction(theta_l, PI), direction(theta_v, 0.0));
         let gloss = PI * specular.brdf(&l, &v).0;
         assert!(gloss > 0.0);
-        let found = classical.brightness_factor(&l, &v, &white);
+        let found = classical.eval(&l, &v, &white);
         for channel in 0..4 {
             assert!((found[channel] - normal[channel] - gloss * white[channel]).abs() < 1e-15);
         }
@@ -195,10 +195,10 @@ fn without_gloss_classical_looks_the_same_from_everywhere() {
     let normal = [0.37, 0.1, -0.01, 1.2];
     let classical = Classical::new(normal, none).unwrap();
     for theta in [0.0, 0.7, 1.5] {
-        let found = classical.brightness_factor(&direction(0.3, 1.0), &direction(theta, 2.0), &[1.0; 4]);
+        let found = classical.eval(&direction(0.3, 1.0), &direction(theta, 2.0), &[1.0; 4]);
         assert_eq!(found, normal);
     }
     for (l, v) in [(-Vec3::z(), Vec3::z()), (Vec3::z(), -Vec3::z()), (Vec3::x(), Vec3::z())] {
-        assert_eq!(classical.brightness_factor(&l, &v, &[1.0; 4]), [0.0; 4]);
+        assert_eq!(classical.eval(&l, &v, &[1.0; 4]), [0.0; 4]);
     }
 }

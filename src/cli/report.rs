@@ -1,14 +1,12 @@
 use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, inputs_of, recorded_command, study};
-use serde::Serialize;
-use specval::compare::Geometry;
-use specval::output::{NamedFile, ReportFolder};
-use specval::report::{file_names, render, report_json, summary};
+use specval::output::ReportFolder;
+use specval::report::{ReportData, file_names, read_result, render, report_json, summary};
 use specval::run::{self, Simulator, Stage, StateFile, Watch};
 use specval::study::Study;
 use std::path::{Path, PathBuf};
 
 /// The preprint's main job: model and classical shading against the measured sample. Writes graphs, table1, curves.csv,
-/// energy.csv and report.json.
+/// energy.csv, report.json and result.json, from which --from draws it again.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Study file; without it the built-in study.
@@ -25,14 +23,14 @@ pub struct Arguments {
     approximations: bool,
     #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file", help::samples()), value_name = "SAMPLE")]
     measured: Option<String>,
+    /// Draw the report of a finished run again, without tracing: its result.json, or its folder.
+    #[arg(long, value_name = "RESULT", conflicts_with_all = ["study", "quick", "approximations", "measured", "until", "max_time", "resume"])]
+    from: Option<PathBuf>,
     #[command(flatten)]
     replace: Replace,
     #[command(flatten)]
     stopping: Stopping,
 }
-
-/// Tables of --approximations.
-const APPROXIMATIONS: [&str; 2] = ["approximations.csv", "locality.csv"];
 
 #[derive(Debug, thiserror::Error)]
 #[error(
@@ -40,7 +38,19 @@ const APPROXIMATIONS: [&str; 2] = ["approximations.csv", "locality.csv"];
 )]
 struct NoFolder;
 
+#[derive(Debug, thiserror::Error)]
+#[error("--{option} with --from: a finished result is drawn as it is; leave --{option} out, or run the study again")]
+struct Finished {
+    option: &'static str,
+}
+
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
+    if arguments.out == Path::new("-") {
+        return Err(NoFolder.into());
+    }
+    if let Some(result) = &arguments.from {
+        return again(result, arguments, options, terminal);
+    }
     let mut study = study::load(arguments.study.as_deref(), options)?;
     if let Some(sample) = &arguments.measured {
         study.measured.sample.clone_from(sample);
@@ -49,9 +59,6 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     if arguments.quick {
         quicken(&mut study);
         notices.push("--quick: paths and camera rays are reduced; `study` holds the numbers that were used".into());
-    }
-    if arguments.out == Path::new("-") {
-        return Err(NoFolder.into());
     }
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     let plan = study::plan(study)?;
@@ -63,10 +70,10 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     // Refused before the simulation; the report tells what is only doubtful.
     plan.colour_notices()?;
     let geometries = run::report_geometries(&plan);
-    let mut names = file_names(incidences(&geometries));
-    if arguments.approximations {
-        names.extend(APPROXIMATIONS.map(str::to_owned));
-    }
+    let names = file_names(
+        incidences(geometries.iter().map(|geometry| geometry.theta_i_deg)),
+        arguments.approximations,
+    );
     let folder = ReportFolder::prepare(&arguments.out, &names, &inputs, arguments.replace.force)?;
     let stopping = &arguments.stopping;
     let rule = stopping.rule(plan.direct_effort.batches, options);
@@ -76,47 +83,58 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let simulation = stopping.simulate(&simulator, watch, &state, &rule, terminal)?;
     let measuring = terminal.progress("measuring and sweeping");
     let command = recorded_command(std::env::args_os());
-    let data = run::report(&plan, &simulation, command, notices, &|share| measuring.advance(share))?;
+    let mut data = run::report(&plan, &simulation, command, notices, &|share| measuring.advance(share))?;
     measuring.finish();
-    let mut files = render(&data)?;
     if arguments.approximations {
         let comparing = terminal.progress("comparing approximations");
-        let rows = run::approximations(&plan, &|share| comparing.advance(share))?;
+        data.approximations = Some(run::approximations(&plan, &|share| comparing.advance(share))?);
         comparing.finish();
-        files.push(table(APPROXIMATIONS[0], &rows)?);
-        files.push(table(APPROXIMATIONS[1], &run::locality(&plan)?)?);
     }
-    for name in folder.write(&files)? {
+    write(&data, &folder, terminal)?;
+    state.remove()?;
+    show(&data, &folder, options, terminal)
+}
+
+/// Draws the report of a finished run.
+fn again(result: &Path, arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
+    for (option, given) in [("seed", options.seed.is_some()), ("paths", options.paths.is_some())] {
+        if given {
+            return Err(Finished { option }.into());
+        }
+    }
+    let data = read_result(result)?;
+    let incidences = incidences(data.curves.iter().map(|point| point.theta_i_deg));
+    let names = file_names(incidences, data.approximations.is_some());
+    // The folder that the result lies in is drawn anew: its own files may be replaced, the result by itself.
+    let folder = ReportFolder::prepare(&arguments.out, &names, &[], arguments.replace.force)?;
+    write(&data, &folder, terminal)?;
+    show(&data, &folder, options, terminal)
+}
+
+fn write(data: &ReportData, folder: &ReportFolder, terminal: &Terminal) -> Result<(), Failure> {
+    for name in folder.write(&render(data)?)? {
         terminal.notice(&format!(
             "{}: of the earlier report in this folder, removed",
             in_words(folder.path().join(name))
         ));
     }
-    state.remove()?;
+    Ok(())
+}
+
+fn show(data: &ReportData, folder: &ReportFolder, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
     if options.json {
-        return terminal.print(&report_json(&data)?);
+        return terminal.print(&report_json(data)?);
     }
     terminal.print(&format!(
         "{}\nwritten to {}\n",
-        summary(&data).trim_end(),
+        summary(data).trim_end(),
         in_words(folder.path())
     ))
 }
 
-fn table<T: Serialize>(name: &str, rows: &[T]) -> Result<NamedFile, Failure> {
-    let mut csv = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        csv.serialize(row)?;
-    }
-    Ok(NamedFile {
-        name: name.to_owned(),
-        bytes: csv.into_inner()?,
-    })
-}
-
 /// Incidences of which there is a graph, at most.
-fn incidences(geometries: &[Geometry]) -> usize {
-    let mut incidences: Vec<f64> = geometries.iter().map(|geometry| geometry.theta_i_deg).collect();
+fn incidences(theta_i_deg: impl Iterator<Item = f64>) -> usize {
+    let mut incidences: Vec<f64> = theta_i_deg.collect();
     incidences.sort_by(f64::total_cmp);
     incidences.dedup();
     incidences.len()

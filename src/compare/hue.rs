@@ -1,13 +1,16 @@
-use serde::Serialize;
+use crate::number::nan_from_null;
+use serde::{Deserialize, Serialize};
 
 use super::{Channels, Estimate, Propagation};
 use crate::colour::{ColourSystem, LinearRgb};
 
 /// Hue and chroma of model and sample at one geometry, in CIE 1976 Lab, both at the sample's luminance.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HueComparison {
     /// Hue angles, 0..360 degrees.
+    #[serde(deserialize_with = "nan_from_null")]
     pub model_hue_deg: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub measured_hue_deg: f64,
     /// Model less sample, −180..180 degrees.
     pub difference_deg: Estimate,

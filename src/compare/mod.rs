@@ -9,13 +9,14 @@ pub use hue::{HueComparison, hue};
 pub use metrics::reference;
 pub use propagation::{Channels, Estimate, Propagation};
 
-use serde::Serialize;
+use crate::number::nan_from_null;
+use serde::{Deserialize, Serialize};
 
 use crate::sample::Reading;
 use metrics::{Curves, peak_angle_deg, ratio_of};
 
 /// Direction of light and of view in the plane of incidence.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Geometry {
     /// From the cloth's normal, 0 or more.
     pub theta_i_deg: f64,
@@ -23,7 +24,7 @@ pub struct Geometry {
     pub theta_v_deg: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Source {
     Model,
@@ -32,7 +33,7 @@ pub enum Source {
 }
 
 /// Linear red, green, blue and luminance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Channel {
     R,
@@ -58,7 +59,7 @@ pub struct Inputs<'a> {
 }
 
 /// measured/model luminance at the reading nearest to normal incidence and view, one scalar a source; a perfect model has 1.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Normalisation {
     pub model: Estimate,
     pub classical: Estimate,
@@ -66,13 +67,15 @@ pub struct Normalisation {
 
 /// β of one source at one geometry, multiplied by the source's normalisation coefficient. The standard error of model
 /// and classical values includes that of the coefficient, hence of the measured luminance at the normal.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
     pub theta_i_deg: f64,
     pub theta_v_deg: f64,
     pub source: Source,
     pub channel: Channel,
+    #[serde(deserialize_with = "nan_from_null")]
     pub beta: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub se: f64,
     /// A measured value that is linear between neighbouring views.
     pub interpolated: bool,
@@ -80,7 +83,7 @@ pub struct CurvePoint {
 
 /// Departure of a normalised source from the measurement over the views of one incidence. Measurement noise of
 /// relative size s adds to it: it does not fall below s for a perfect model.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rmse {
     pub theta_i_deg: f64,
     pub source: Source,
@@ -95,7 +98,7 @@ pub struct Rmse {
 }
 
 /// View angle in degrees at which a curve is highest, by the parabola through its highest value and the two beside.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     pub theta_i_deg: f64,
     pub source: Source,
@@ -107,7 +110,7 @@ pub struct Peak {
 }
 
 /// How the model does beside classical shading.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
     #[serde(rename = "better")]
     Better,
@@ -119,10 +122,11 @@ pub enum Verdict {
 
 /// RMSE(classical)/RMSE(model), above 1 where the model is nearer to the measurement. The Monte Carlo noise in the
 /// model's mean square is taken off first, so the ratio may lie a little above that of the two [`Rmse`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RmseRatio {
     pub theta_i_deg: f64,
     pub channel: Channel,
+    #[serde(deserialize_with = "nan_from_null")]
     pub ratio: f64,
     /// 95 % interval, symmetric in the logarithm, Student's t with the effective degrees of freedom of the batches
     /// (Welch–Satterthwaite). `None` if an RMSE is exactly 0 or `too_few_paths`. Measurement noise adds to both RMSE and draws the ratio
@@ -136,7 +140,7 @@ pub struct RmseRatio {
 }
 
 /// Blue/red and green/red at one geometry; normalisation cancels.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ColourRatios {
     pub blue_over_red: Estimate,
     pub green_over_red: Estimate,
@@ -164,7 +168,7 @@ impl ColourRatios {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SourceRatios {
     pub source: Source,
     #[serde(flatten)]
@@ -172,7 +176,7 @@ pub struct SourceRatios {
 }
 
 /// All that the report says of model, classical shading and measurement.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     /// `None` where a source has no light at the reference: then all values are absolute.
     pub normalisation: Option<Normalisation>,

@@ -1,4 +1,5 @@
-use serde::Serialize;
+use crate::number::nan_from_null;
+use serde::{Deserialize, Serialize};
 
 use super::CompareError;
 use crate::sample::Reading;
@@ -7,14 +8,19 @@ use crate::sample::Reading;
 pub type Channels = [f64; 4];
 
 /// A value and its standard error, with the two parts the error is made of, added in quadrature.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
+    #[serde(deserialize_with = "nan_from_null")]
     pub value: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub se: f64,
     /// What Monte Carlo noise adds to the value on average, by the jackknife: nothing for a linear function, more than
     /// nothing for an RMSE. Not taken off the value.
+    #[serde(deserialize_with = "nan_from_null")]
     pub bias_monte_carlo: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub se_monte_carlo: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub se_measurement: f64,
 }
 

@@ -16,6 +16,19 @@ use std::sync::Once;
 const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
 static REGISTER: Once = Once::new();
 
+/// Name of the font of the graphs, which plotters draws with once this was called: the system needs none.
+pub fn chart_font() -> &'static str {
+    REGISTER.call_once(|| {
+        // The embedded file is a valid font; were it not, drawing text would return the error.
+        drop(register_font(
+            FONT,
+            FontStyle::Normal,
+            include_bytes!("font/DejaVuSans.ttf"),
+        ))
+    });
+    FONT
+}
+
 /// Lengths below are in px of a 1600 by 1000 graph and drawn twice as large.
 const SCALE: i32 = 2;
 const MARGIN: i32 = 24;
@@ -201,14 +214,7 @@ impl Figure<'_> {
 
 /// Draws the whole graph.
 pub(super) fn draw<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure) -> Drawn<DB> {
-    // The embedded file is a valid font; were it not, drawing text would return the error.
-    REGISTER.call_once(|| {
-        drop(register_font(
-            FONT,
-            FontStyle::Normal,
-            include_bytes!("font/DejaVuSans.ttf"),
-        ))
-    });
+    chart_font();
     root.fill(&WHITE)?;
     let (width, height) = root.dim_in_pixel();
     let (width, height) = (width as i32 / SCALE, height as i32 / SCALE);

@@ -3,14 +3,18 @@
 //! [`render`] turns a result into named files in memory; a [`crate::output::ReportFolder`] is prepared before a simulation starts
 //! and takes those files whole or not at all. Same data, same bytes.
 
+mod approximations;
 mod chart;
 mod graphs;
 mod json;
 mod ledger;
 mod result;
+mod result_file;
 mod summary;
 mod tables;
 
+pub use approximations::{ApproximationRow, Approximations, LocalityRow};
+pub use chart::chart_font;
 pub use graphs::{Graph, graphs};
 pub use json::report_json;
 pub use ledger::{LedgerRange, ledger_notice, ledger_ranges, ledger_table};
@@ -18,11 +22,13 @@ pub use result::{
     AskedEffort, Convention, EffortNote, EnergyRow, InputDigest, PathsPerBatch, Provenance, ReachedPrecision,
     ReadingCount, ReportData, SampleNote, Table1Name, Table1Row,
 };
+pub use result_file::{RESULT, read_result, result_json};
 pub use summary::{effort_line, summary};
-pub use tables::{curves_csv, energy_csv, table1_csv, table1_markdown};
+pub use tables::{approximations_csv, curves_csv, energy_csv, locality_csv, table1_csv, table1_markdown};
 
 use crate::output::NamedFile;
 use rayon::prelude::*;
+use std::path::PathBuf;
 
 /// What can go wrong when a result is drawn or written.
 #[derive(Debug, thiserror::Error)]
@@ -33,15 +39,31 @@ pub enum ReportError {
     Csv(#[from] csv::Error),
     #[error("report.json could not be written")]
     Json(#[from] serde_json::Error),
+    #[error("{}: expected the result of a report, format version 1, found {found}; {remedy}", path.display())]
+    NoResult {
+        path: PathBuf,
+        found: String,
+        remedy: &'static str,
+    },
 }
 
 /// Names of the tables of [`render`], and of its document.
-const TABLES: [&str; 5] = ["table1.csv", "table1.md", "curves.csv", "energy.csv", "report.json"];
+const TABLES: [&str; 6] = [
+    "table1.csv",
+    "table1.md",
+    "curves.csv",
+    "energy.csv",
+    "report.json",
+    RESULT,
+];
+/// Those of a result with [`Approximations`].
+const APPROXIMATIONS: [&str; 2] = ["approximations.csv", "locality.csv"];
 
-/// Names of the files that [`render`] makes of a result with so many incidences.
-pub fn file_names(incidences: usize) -> Vec<String> {
+/// Names of the files that [`render`] makes of a result with so many incidences, with approximations or without.
+pub fn file_names(incidences: usize, approximations: bool) -> Vec<String> {
     let graphs = (1..=2 * incidences).flat_map(|n| [format!("graph{n}.svg"), format!("graph{n}.png")]);
-    TABLES.into_iter().map(str::to_owned).chain(graphs).collect()
+    let tables = TABLES.iter().chain(APPROXIMATIONS.iter().filter(|_| approximations));
+    tables.map(|name| (*name).to_owned()).chain(graphs).collect()
 }
 
 /// Every file of the report, tables first.
@@ -56,6 +78,7 @@ pub fn render(data: &ReportData) -> Result<Vec<NamedFile>, ReportError> {
         curves_csv(data)?,
         energy_csv(data)?,
         report_json(data)?.into_bytes(),
+        result_json(data)?,
     ];
     let tables = TABLES.into_iter().zip(contents);
     let mut files: Vec<NamedFile> = tables.map(|(name, bytes)| file(name, bytes)).collect();
@@ -69,5 +92,9 @@ pub fn render(data: &ReportData) -> Result<Vec<NamedFile>, ReportError> {
         })
         .collect();
     files.extend(pictures?.into_iter().flatten());
+    if let Some(approximations) = &data.approximations {
+        files.push(file(APPROXIMATIONS[0], approximations_csv(approximations)?));
+        files.push(file(APPROXIMATIONS[1], locality_csv(approximations)?));
+    }
     Ok(files)
 }

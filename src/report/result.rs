@@ -1,12 +1,15 @@
 //! The one plain result everything in this room is a pure function of.
 
+use super::Approximations;
 use crate::compare::{
     ColourRatios, CurvePoint, Estimate, Geometry, HueComparison, Normalisation, Peak, Rmse, RmseRatio,
 };
+use crate::number::nan_from_null;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Everything a report shows. No clock, host name or path stands in it outside [`Provenance`].
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReportData {
     /// Wavelength grid of the study, nm, ascending.
     pub wavelengths_nm: Vec<f64>,
@@ -29,10 +32,12 @@ pub struct ReportData {
     pub readings: ReadingCount,
     /// Hue of model and sample at the geometry of normalisation; `None` without a comparison.
     pub hue: Option<HueComparison>,
+    /// `None` where the ways to follow light in the cloth were not compared.
+    pub approximations: Option<Approximations>,
     pub provenance: Provenance,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Table1Name {
     Published,
@@ -47,7 +52,7 @@ pub enum Table1Name {
 
 /// Ratios of linear RGB at normal illumination and view; `None` where there is no such value, or none that is known: no light was
 /// hit, or one batch too few.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table1Row {
     pub row: Table1Name,
     pub blue_over_red: Option<f64>,
@@ -94,7 +99,7 @@ pub(super) fn known_error(value: f64, se: f64) -> Option<f64> {
 }
 
 /// Table 1 under one colour convention.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Convention {
     /// In words: observer, illuminant, RGB space, adaptation.
     pub convention: String,
@@ -103,33 +108,47 @@ pub struct Convention {
 
 /// Energy ledger of one wavelength and incident direction: fractions of the incident flux, each with its standard
 /// error. `residual` is 1 minus the sum of the fractions before it; `sharing` is a part of `roulette`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyRow {
     pub wavelength_nm: f64,
     pub theta_in_deg: f64,
     pub phi_in_deg: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub reflected: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub reflected_se: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub ballistic: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub ballistic_se: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub scattered: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub scattered_se: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub absorbed: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub absorbed_se: f64,
     /// What games of chance took from the paths' weights less what they gave, 0 in the mean: Russian roulette, and the balance
     /// heuristic where wavelengths share paths.
+    #[serde(deserialize_with = "nan_from_null")]
     pub roulette: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub roulette_se: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub residual: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub residual_se: f64,
     /// The balance heuristic's part of `roulette`.
+    #[serde(deserialize_with = "nan_from_null")]
     pub sharing: f64,
+    #[serde(deserialize_with = "nan_from_null")]
     pub sharing_se: f64,
 }
 
 /// What became of the readings of a sample: every one is used, interpolated, outside the plane of incidence, outside the rig, or
 /// without a value of the model.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ReadingCount {
     pub total: usize,
     /// Compared as they are.
@@ -162,7 +181,7 @@ impl ReadingCount {
 }
 
 /// What the sample is, in words that go below every graph and table it appears in.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SampleNote {
     pub name: String,
     /// "measured", "fit of a measurement", "synthetic".
@@ -196,19 +215,19 @@ impl InputDigest {
 }
 
 /// How much was traced, what was asked for and what was reached. Runs that were resumed say the same as others.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EffortNote {
     /// Batches made, all of the same size.
     pub batches: usize,
     pub paths_per_batch: PathsPerBatch,
     /// "paths", "precision" or "time"; "nothing hit" where a precision was asked for and all that it is of is 0 in every batch.
-    pub stopped_by: &'static str,
+    pub stopped_by: Cow<'static, str>,
     pub asked: AskedEffort,
     pub reached: Option<ReachedPrecision>,
 }
 
 /// For each direction, and for each wavelength if they share no paths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PathsPerBatch {
     /// From a patch: ledger and BSSRDF.
     pub bssrdf: usize,
@@ -216,7 +235,7 @@ pub struct PathsPerBatch {
     pub direct: usize,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AskedEffort {
     /// Such as "rel 0.01 curves".
     pub until: Option<String>,
@@ -226,19 +245,19 @@ pub struct AskedEffort {
 }
 
 /// Largest Monte Carlo standard error of what was watched.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReachedPrecision {
     /// "rel" if it is over its value, "abs" if not.
-    pub tolerance: &'static str,
+    pub tolerance: Cow<'static, str>,
     /// "curves", the luminance of the model's points, "ratios", its row of Table 1, or "scattered", that fraction of the
     /// ledger.
-    pub of: &'static str,
+    pub of: Cow<'static, str>,
     /// `None` where it is not known: some of it is 0 in every batch, or a ratio of such.
     pub largest_error: Option<f64>,
 }
 
 /// How the result came about. The number of threads is left out: results do not depend on it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     pub version: String,
     /// The command, word by word.

@@ -91,12 +91,12 @@ pub fn effort_line(effort: &EffortNote) -> String {
         Some(format!("{} batches at most", effort.asked.batches)),
     ];
     let asked: Vec<String> = asked.into_iter().flatten().collect();
-    let reached = effort.reached.map_or_else(String::new, |reached| {
-        let kind = match reached.tolerance {
+    let reached = effort.reached.as_ref().map_or_else(String::new, |reached| {
+        let kind = match reached.tolerance.as_ref() {
             "rel" => "relative ",
             _ => "",
         };
-        let of = match reached.of {
+        let of = match reached.of.as_ref() {
             "scattered" => "scattered fractions",
             other => other,
         };

@@ -1,5 +1,5 @@
 use super::result::known_error;
-use super::{ReportData, ReportError, Table1Name, Table1Row};
+use super::{Approximations, ReportData, ReportError, Table1Name, Table1Row};
 use crate::compare::{Channel, Geometry, Source};
 use serde::Serialize;
 use std::fmt::Write;
@@ -58,6 +58,38 @@ pub fn energy_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
             "residual_se",
             "sharing",
             "sharing_se",
+        ],
+    )
+}
+
+/// `approximations.csv`: one line an incidence, channel and way to follow light in the cloth.
+pub fn approximations_csv(of: &Approximations) -> Result<Vec<u8>, ReportError> {
+    csv_of(
+        &of.rows,
+        &[
+            "theta_i_deg",
+            "channel",
+            "source",
+            "mean_beta",
+            "mean_beta_se",
+            "over_volumetric",
+            "over_volumetric_se",
+        ],
+    )
+}
+
+/// `locality.csv`: one line a wavelength.
+pub fn locality_csv(of: &Approximations) -> Result<Vec<u8>, ReportError> {
+    csv_of(
+        &of.locality,
+        &[
+            "wavelength_nm",
+            "beyond_half_spacing",
+            "beyond_half_spacing_se",
+            "beyond_spacing",
+            "beyond_spacing_se",
+            "beyond_8_radii",
+            "beyond_8_radii_se",
         ],
     )
 }

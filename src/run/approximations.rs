@@ -3,42 +3,13 @@ use super::readings::{NORMAL, report_geometries};
 use super::{Plan, Progress, RunError, Simulator, SpectralCurves};
 use crate::compare::{Channel, Channels};
 use crate::geometry::Vec3;
+use crate::report::{ApproximationRow, Approximations, LocalityRow};
 use crate::sample::Reading;
-use crate::shading::Classical;
+use crate::shading::{Classical, ShadingModel};
 use crate::study::{Bounces, MethodChoice, Study};
 use crate::transport::{Entry, Estimate, Purpose, Stream, Walk};
 use crate::yarn::Sharing;
-use serde::Serialize;
 use std::iter::zip;
-
-/// Mean brightness factor over the views of one incidence, by one way to shade or to measure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ApproximationRow {
-    pub theta_i_deg: f64,
-    pub channel: Channel,
-    /// `classical`, `direct` (f* in the sun alone), `all-bounces` (f* from yarn to yarn), `volumetric`, or `measured` where the sample has
-    /// a reading at every view.
-    pub source: &'static str,
-    /// Not normalised.
-    pub mean_beta: f64,
-    pub mean_beta_se: f64,
-    pub over_volumetric: f64,
-    pub over_volumetric_se: f64,
-}
-
-/// How far along the yarn scattered light leaves from where it came in.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LocalityRow {
-    pub wavelength_nm: f64,
-    /// Fractions of the scattered light that leave farther away than half the distance of neighbouring crossings, than all of it,
-    /// and than 8 yarn radii.
-    pub beyond_half_spacing: f64,
-    pub beyond_half_spacing_se: f64,
-    pub beyond_spacing: f64,
-    pub beyond_spacing_se: f64,
-    pub beyond_8_radii: f64,
-    pub beyond_8_radii_se: f64,
-}
 
 /// The study with one way to follow light in the cloth.
 fn variant(study: &Study, method: MethodChoice, bounces: Bounces) -> Study {
@@ -49,7 +20,7 @@ fn variant(study: &Study, method: MethodChoice, bounces: Bounces) -> Study {
 }
 
 /// What each approximation of the light in the cloth costs, with the study's effort for each.
-pub fn approximations(plan: &Plan, progress: Progress) -> Result<Vec<ApproximationRow>, RunError> {
+pub fn approximations(plan: &Plan, progress: Progress) -> Result<Approximations, RunError> {
     let geometries = report_geometries(plan);
     let of = |geometry: usize| geometries[geometry].theta_i_deg;
     let simulated = |method, bounces| -> Result<Vec<Vec<Channels>>, RunError> {
@@ -94,7 +65,7 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Vec<Approximati
             let shaded = classical.as_ref().zip(normal).map(|(shading, normal)| {
                 let of_view = |&g: &usize| {
                     let (omega_in, omega_out) = directions(plan, geometries[g]);
-                    share * shading.brightness_factor(&omega_in, &omega_out, &white)[c]
+                    share * shading.eval(&omega_in, &omega_out, &white)[c]
                 };
                 // Its one measured value is the same at every view.
                 Estimate {
@@ -130,7 +101,7 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Vec<Approximati
                 rows.push(ApproximationRow {
                     theta_i_deg,
                     channel,
-                    source,
+                    source: source.into(),
                     mean_beta: value,
                     mean_beta_se: se,
                     over_volumetric: ratio,
@@ -139,7 +110,10 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Vec<Approximati
             }
         }
     }
-    Ok(rows)
+    Ok(Approximations {
+        rows,
+        locality: locality(plan)?,
+    })
 }
 
 /// Batches and paths of each.
@@ -147,7 +121,7 @@ const LOCALITY_BATCHES: usize = 16;
 const LOCALITY_PATHS: usize = 4000;
 
 /// Shares of the scattered light of a beam across a straight yarn, by the distance along it.
-pub fn locality(plan: &Plan) -> Result<Vec<LocalityRow>, RunError> {
+fn locality(plan: &Plan) -> Result<Vec<LocalityRow>, RunError> {
     let radius = plan.yarn.cylinder.radius_mm();
     let spacing = plan.cloth_spec.weft_spacing_mm;
     let limits = [0.5 * spacing, spacing, 8.0 * radius];

@@ -18,7 +18,7 @@ pub struct SpectralCurves {
 
 impl SpectralCurves {
     /// `diffuse` is [batch][geometry][wavelength].
-    pub(crate) fn new(plan: &Plan, geometries: Vec<Geometry>, diffuse: Vec<Vec<Vec<f64>>>) -> Self {
+    pub fn new(plan: &Plan, geometries: Vec<Geometry>, diffuse: Vec<Vec<Vec<f64>>>) -> Self {
         let gloss = geometries.iter().map(|g| gloss(plan, *g)).collect();
         Self {
             geometries,

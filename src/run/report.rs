@@ -9,7 +9,7 @@ use crate::compare::{
 };
 use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
-use crate::shading::Classical;
+use crate::shading::{Classical, ShadingModel};
 use crate::study::{MediumSection, MethodChoice, NumberOrTable};
 use crate::yarn::{DirectTracer, Effort, YarnResponse};
 
@@ -83,7 +83,7 @@ pub fn report(
                 .iter()
                 .map(|g| {
                     let (omega_in, omega_out) = directions(plan, *g);
-                    shading.brightness_factor(&omega_in, &omega_out, &white)
+                    shading.eval(&omega_in, &omega_out, &white)
                 })
                 .collect();
             hue = compare::hue(&propagation, place, &plan.colour);
@@ -184,6 +184,7 @@ pub fn report(
         sample: sample_note(plan, &mut fallbacks),
         readings: count,
         hue,
+        approximations: None,
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").into(),
             command,

@@ -1,4 +1,4 @@
-use super::{ShadingError, Specular};
+use super::{ShadingError, ShadingModel, Specular};
 use crate::geometry::Vec3;
 
 /// What a renderer would do with the sample: Lambert with the sample's own brightness factor at normal incidence and
@@ -23,10 +23,10 @@ impl Classical {
             Err(ShadingError::Factor { found: normal })
         }
     }
+}
 
-    /// π L / E in each channel; zero when the light or the viewer is in the cloth's plane or below it. `white` holds the
-    /// channels of the perfect diffuser, and the gloss is as white as that.
-    pub fn brightness_factor(&self, omega_in: &Vec3, omega_out: &Vec3, white: &[f64; 4]) -> [f64; 4] {
+impl ShadingModel for Classical {
+    fn eval(&self, omega_in: &Vec3, omega_out: &Vec3, white: &[f64; 4]) -> [f64; 4] {
         if omega_in.z <= 0.0 || omega_out.z <= 0.0 {
             return [0.0; 4];
         }

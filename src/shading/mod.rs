@@ -11,7 +11,16 @@ pub use classical::Classical;
 pub use fibre_gloss::FibreGloss;
 pub use specular::{Distribution, Specular};
 
+use crate::geometry::Vec3;
 use std::f64::consts::PI;
+
+/// A model of how a flat cloth reflects light about its normal, as renderers have it.
+pub trait ShadingModel {
+    /// Brightness factor π L / E in red, green, blue and luminance towards `omega_out` for light from `omega_in`, unit vectors
+    /// from the surface with the normal +z; 0 with either in the plane or below it. `white` holds the channels of the perfect
+    /// diffuser, of which gloss takes its colour.
+    fn eval(&self, omega_in: &Vec3, omega_out: &Vec3, white: &[f64; 4]) -> [f64; 4];
+}
 
 /// Radiance per irradiance of the surface, 1/sr.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]

@@ -174,6 +174,7 @@ pub fn data() -> ReportData {
             ..ReadingCount::default()
         },
         hue: None,
+        approximations: None,
         provenance: Provenance {
             version: "0.1.0".to_owned(),
             command: vec!["specval".to_owned(), "report".to_owned()],
@@ -186,15 +187,15 @@ pub fn data() -> ReportData {
                     bssrdf: 1_250,
                     direct: 12_500,
                 },
-                stopped_by: "precision",
+                stopped_by: "precision".into(),
                 asked: AskedEffort {
                     until: Some("rel 0.01 curves".to_owned()),
                     max_time_s: Some(60.0),
                     batches: 100_000,
                 },
                 reached: Some(ReachedPrecision {
-                    tolerance: "rel",
-                    of: "curves",
+                    tolerance: "rel".into(),
+                    of: "curves".into(),
                     largest_error: Some(0.0098),
                 }),
             },

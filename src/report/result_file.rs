@@ -1,0 +1,86 @@
+//! The whole result as a file, from which a report is drawn again.
+
+use super::{ReportData, ReportError};
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// Name of the file in a report's folder.
+pub const RESULT: &str = "result.json";
+
+const FORMAT: &str = "specval result";
+/// Rises with every change after which an older program would read the file wrong.
+const VERSION: u32 = 1;
+/// Bytes of the largest file that is read: forty times the default study's.
+const MOST_BYTES: u64 = 128 << 20;
+
+#[derive(Serialize)]
+struct Written<'a> {
+    format: &'static str,
+    format_version: u32,
+    result: &'a ReportData,
+}
+
+#[derive(Deserialize)]
+struct Head {
+    format: Option<String>,
+    format_version: Option<u32>,
+}
+
+#[derive(Deserialize)]
+struct Body {
+    result: ReportData,
+}
+
+/// `result.json`: all of the result on one line. Numbers are the shortest that read back exactly; one that is not known is null.
+pub fn result_json(data: &ReportData) -> Result<Vec<u8>, ReportError> {
+    let mut bytes = serde_json::to_vec(&Written {
+        format: FORMAT,
+        format_version: VERSION,
+        result: data,
+    })?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+/// Reads a file of [`result_json`], or the one in a report's folder.
+///
+/// # Errors
+/// A file that cannot be read, is larger than 128 MiB, is no result, or is of another version.
+pub fn read_result(path: &Path) -> Result<ReportData, ReportError> {
+    let path = if path.is_dir() {
+        path.join(RESULT)
+    } else {
+        path.to_owned()
+    };
+    let refused = |found: String, remedy: &'static str| ReportError::NoResult {
+        path: path.clone(),
+        found,
+        remedy,
+    };
+    let mut bytes = Vec::new();
+    File::open(&path)
+        .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|error| refused(error.to_string(), REMEDY))?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(refused("more than 128 MiB".into(), REMEDY));
+    }
+    let head: Head = serde_json::from_slice(&bytes).map_err(|error| refused(error.to_string(), REMEDY))?;
+    if head.format.as_deref() != Some(FORMAT) {
+        return Err(refused("another document".into(), REMEDY));
+    }
+    if head.format_version != Some(VERSION) {
+        let found = head
+            .format_version
+            .map_or("no version".into(), |v| format!("version {v}"));
+        return Err(refused(
+            found,
+            "read it with the program that wrote it, or run its study again (`specval report STUDY`)",
+        ));
+    }
+    let Body { result } = serde_json::from_slice(&bytes).map_err(|error| refused(error.to_string(), REMEDY))?;
+    Ok(result)
+}
+
+const REMEDY: &str = "name the result.json of a report, or its folder";
