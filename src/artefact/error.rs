@@ -1,8 +1,18 @@
-use super::layout::FORMAT_VERSION;
-use super::{Difference, Kind};
+use super::kind::{FORMAT_VERSION, Kind};
 use crate::output::OutputError;
 use std::io;
 use std::path::PathBuf;
+
+/// One setting in which two identities differ.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// Names from the outside in, such as `trace.batches` or `rig.incidences_deg.2`.
+    pub key: String,
+    /// Value of the identity that was asked, as JSON, or `absent`.
+    pub here: String,
+    /// Value of the other.
+    pub there: String,
+}
 
 /// Why a file was not written, or not taken.
 #[derive(Debug, thiserror::Error)]

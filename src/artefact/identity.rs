@@ -1,4 +1,4 @@
-use super::ArtefactError;
+use super::{ArtefactError, Difference};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -6,17 +6,6 @@ use serde_json::Value;
 /// was told that changes its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identity(Value);
-
-/// One setting in which two identities differ.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Difference {
-    /// Names from the outside in, such as `trace.batches` or `rig.incidences_deg.2`.
-    pub key: String,
-    /// Value of the identity that was asked, as JSON, or `absent`.
-    pub here: String,
-    /// Value of the other.
-    pub there: String,
-}
 
 impl Identity {
     /// `settings` are fields with names, such as a study; this program's version and the seed are put beside them as

@@ -2,78 +2,11 @@ use super::{CHECKSUM, Identity};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fmt;
-use std::fs::File;
-use std::io::{self, Read, Write};
-use std::path::Path;
-
-/// Version of the format this program writes, and the only one it reads.
-pub(super) const FORMAT_VERSION: u64 = 1;
+use std::io::{self, Write};
 
 /// Bytes of the longest line of JSON that is written or read. A file whose line has lost its end is thus told without
 /// taking all of it into memory.
 pub(super) const HEADER_LIMIT: u64 = 1 << 26;
-
-/// Bytes within which the first line must end.
-pub(super) const MAGIC_LIMIT: u64 = 64;
-
-/// What a file is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// The result of a whole run.
-    Artefact,
-    /// The result of a part of a run, to be added to others.
-    Shard,
-    /// Where an unfinished run stands.
-    State,
-}
-
-impl Kind {
-    pub(super) const ALL: [Kind; 3] = [Kind::Artefact, Kind::Shard, Kind::State];
-
-    /// Its name in the first line of a file.
-    pub(super) fn word(self) -> &'static str {
-        match self {
-            Kind::Artefact => "artefact",
-            Kind::Shard => "shard",
-            Kind::State => "state",
-        }
-    }
-
-    /// What to do about one that is of no use.
-    pub(super) fn remedy(self) -> &'static str {
-        match self {
-            Kind::Artefact => "make the artefact again",
-            Kind::Shard => "make the shard again",
-            Kind::State => "remove it and start the run from its beginning",
-        }
-    }
-
-    /// The first line of a file, but for its end.
-    pub(super) fn magic(self) -> String {
-        format!("specval-{} {FORMAT_VERSION}", self.word())
-    }
-}
-
-impl fmt::Display for Kind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Kind::Artefact => "an artefact",
-            Kind::Shard => "a shard",
-            Kind::State => "the state of a run",
-        })
-    }
-}
-
-impl Kind {
-    /// What a file says it is; `None` for a file that is none of this program's.
-    pub fn of(path: &Path) -> Option<Self> {
-        let mut head = Vec::new();
-        let file = File::open(path).ok()?;
-        file.take(MAGIC_LIMIT).read_to_end(&mut head).ok()?;
-        let begins = |kind: &Kind| head.starts_with(format!("specval-{} ", kind.word()).as_bytes());
-        Self::ALL.into_iter().find(begins)
-    }
-}
 
 /// Type of an array's elements in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

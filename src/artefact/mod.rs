@@ -15,13 +15,15 @@
 
 mod error;
 mod identity;
+mod kind;
 mod layout;
 mod reader;
 mod writer;
 
-pub use error::ArtefactError;
-pub use identity::{Difference, Identity};
-pub use layout::{ArrayInfo, Element, ElementType, Kind};
+pub use error::{ArtefactError, Difference};
+pub use identity::Identity;
+pub use kind::Kind;
+pub use layout::{ArrayInfo, Element, ElementType};
 pub use reader::Reader;
 pub use writer::Writer;
 

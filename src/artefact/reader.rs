@@ -1,4 +1,5 @@
-use super::layout::{self, FORMAT_VERSION, HEADER_LIMIT, Head, MAGIC_LIMIT, Placed};
+use super::kind::{FORMAT_VERSION, MAGIC_LIMIT};
+use super::layout::{self, HEADER_LIMIT, Head, Placed};
 use super::{ArrayInfo, ArtefactError, BUFFER, CHECKSUM, Element, Hashed, Identity, Kind};
 use serde_json::Value;
 use std::fs::{self, File};

@@ -10,8 +10,17 @@ const CONTACT_TOLERANCE: f64 = 1e-6;
 /// Nodes of the first search along each yarn, per crossing.
 const SEARCH_NODES: usize = 48;
 
-/// Refuses a cloth whose tubes overlap, with the yarns' names and the depth of the overlap.
-pub(super) fn check(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> {
+impl Layout {
+    /// # Errors
+    /// A cloth whose tubes overlap, with the yarns' names and the depth of the overlap, and one out of range.
+    pub(super) fn new(spec: &ClothSpec) -> Result<Self, ClothError> {
+        let layout = Self::unchecked(spec)?;
+        check(spec, &layout)?;
+        Ok(layout)
+    }
+}
+
+fn check(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> {
     for system in [System::Warp, System::Weft] {
         check_curvature(system, layout.yarns(system))?;
     }

@@ -1,5 +1,5 @@
 use super::centre_line::{CentreLine, Crossing};
-use super::{CentreLineKind, ClothError, ClothSpec, System, interpenetration};
+use super::{CentreLineKind, ClothError, ClothSpec, System};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
 use std::f64::consts::TAU;
@@ -34,7 +34,8 @@ struct Strand {
 }
 
 impl Layout {
-    pub fn new(spec: &ClothSpec) -> Result<Self, ClothError> {
+    /// Yarns that may overlap, which [`Layout::new`] refuses.
+    pub fn unchecked(spec: &ClothSpec) -> Result<Self, ClothError> {
         spec.check_ranges()?;
         let draft = spec.weave.draft();
         let numbers = |system| draft.yarns(system) * spec.repeats_across(system);
@@ -73,13 +74,11 @@ impl Layout {
                 })
                 .collect::<Result<Vec<_>, ClothError>>()
         };
-        let layout = Self {
+        Ok(Self {
             warps: weave(System::Warp, &warps, &wefts, cell_mm[0])?,
             wefts: weave(System::Weft, &wefts, &warps, cell_mm[1])?,
             cell_mm,
-        };
-        interpenetration::check(spec, &layout)?;
-        Ok(layout)
+        })
     }
 
     pub fn yarns(&self, system: System) -> &[Yarn] {

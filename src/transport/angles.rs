@@ -1,4 +1,4 @@
-use super::flights::LANES;
+use super::lane_math::LANES;
 use crate::fault::{self, Fault};
 use crate::optics::{Phase, PhaseTable};
 

@@ -1,8 +1,8 @@
 use super::Shape;
-use super::flights::{FAR_MM, LANES, Lanes3, refract};
-use super::lane_math::unit;
+use super::flights::{FAR_MM, Lanes3, refract};
+use super::lane_math::{LANES, unit};
+use super::path::{ENTRY_COORDINATES, Entry};
 use super::stream::LaneStream;
-use super::walk::{ENTRY_COORDINATES, Entry};
 use crate::geometry::Vec3;
 use crate::optics::fresnel;
 

@@ -1,11 +1,8 @@
 use super::Shape;
 use super::angles::{Angles, Turns};
-use super::lane_math::{ln, sin_cos_turns, unit};
+use super::lane_math::{LANES, ln, sin_cos_turns, unit};
 use super::stream::LaneStream;
 use crate::optics::fresnel::{self, Interface};
-
-/// Paths that fly side by side.
-pub(super) const LANES: usize = 16;
 
 /// In place of an infinite flight, so that no product with a coefficient of 0 arises.
 pub(super) const FAR_MM: f64 = 1e300;

@@ -7,6 +7,9 @@
 
 use std::f64::consts::{LN_2, LOG2_E, SQRT_2, TAU};
 
+/// Paths that fly side by side.
+pub(super) const LANES: usize = 16;
+
 /// 1.5 · 2⁵²: added and taken away again it rounds to the nearest whole number, which then stands in the low bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 /// ln 2 in two parts, the first with 21 trailing zero bits: k · LN_2_HIGH is exact for |k| < 2²¹.

@@ -6,7 +6,9 @@ mod flights;
 mod interior;
 mod lane_math;
 mod ledger;
+mod path;
 mod plain;
+mod roulette;
 mod shape;
 mod spectral;
 mod statistics;
@@ -16,10 +18,12 @@ mod weights;
 
 pub use interior::{Coefficients, Interior};
 pub use ledger::{Ledger, LedgerEntry};
+pub use path::{ENTRY_COORDINATES, Entry, Exit};
+pub use roulette::Roulette;
 pub use shape::{Cylinder, Shape, Slab};
 pub use statistics::{BatchSums, Estimate};
 pub use stream::{Purpose, Stream};
-pub use walk::{ENTRY_COORDINATES, Entry, Exit, Roulette, Traced, Walk};
+pub use walk::{Traced, Walk};
 
 /// What is wrong with an input of the transport.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,6 +1,6 @@
 use super::entrance::Entrance;
-use super::flights::{Flights, LANES, LanesOf, Mask, Step, lanes_where};
-use super::lane_math::exp;
+use super::flights::{Flights, LanesOf, Mask, Step, lanes_where};
+use super::lane_math::{LANES, exp};
 use super::weights::{EVENTS_AT_MOST, Weights};
 use super::{Interior, Ledger, Roulette};
 

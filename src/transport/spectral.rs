@@ -1,8 +1,9 @@
 use super::entrance::Entrance;
-use super::flights::{Flights, LANES, LanesOf, Mask, Step, lanes_where};
+use super::flights::{Flights, LanesOf, Mask, Step, lanes_where};
 use super::interior::{Double, GROUP, Single};
-use super::lane_math::{exp_single, loss_single};
-use super::weights::{EVENTS_AT_MOST, REFLECTIONS_IN_A_ROW, Weights};
+use super::lane_math::{LANES, exp_single, loss_single};
+use super::roulette::REFLECTIONS_IN_A_ROW;
+use super::weights::{EVENTS_AT_MOST, Weights};
 use super::{Interior, Ledger, Roulette};
 use std::ops::{Add, Mul};
 

@@ -1,62 +1,15 @@
 use super::entrance::Entrance;
-use super::flights::{Flights, LANES, Lanes3, LanesOf, Mask, Step, refract};
+use super::flights::{Flights, Lanes3, LanesOf, Mask, Step, refract};
+use super::lane_math::LANES;
+use super::path::{ENTRY_COORDINATES, Entry, Exit};
 use super::plain::Plain;
+use super::roulette::Roulette;
 use super::spectral::Spectral;
 use super::stream::LaneStream;
-use super::weights::{REFLECTIONS_IN_A_ROW, Weights};
-use super::{Interior, Ledger, Shape, TransportError};
-use crate::fault::{self, Fault};
+use super::weights::Weights;
+use super::{Interior, Ledger, Shape};
 use crate::geometry::Vec3;
 use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::Rng};
-
-/// Even numbers that an entry is made of. The first is stratified over the paths of a batch.
-pub const ENTRY_COORDINATES: usize = 4;
-
-/// Unbiased end of a path: below `threshold` of the weight it entered with, at every wavelength, a path survives with
-/// probability `survival` and is then worth 1/`survival` times as much.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Roulette {
-    threshold: f64,
-    survival: f64,
-}
-
-impl Roulette {
-    pub fn new(threshold: f64, survival: f64) -> Result<Self, TransportError> {
-        for (quantity, found, top) in [
-            ("roulette threshold", threshold, 1.0),
-            ("roulette survival", survival, 1.0),
-        ] {
-            if !(found > 0.0 && found < top) {
-                return Err(TransportError::Domain {
-                    quantity,
-                    expected: "a fraction between 0 and 1, exclusive",
-                    found,
-                    remedy: "take the default by leaving it out of [trace]",
-                });
-            }
-        }
-        Ok(Self { threshold, survival })
-    }
-
-    /// What a path is worth after its turn: 0, 1 or 1/`survival`. `largest` of its weights, of those it `entered` with, and
-    /// an even number.
-    #[inline(always)]
-    pub(super) fn worth(&self, largest: f64, entered: f64, reflections: u64, u: f64) -> f64 {
-        let plays = (largest < self.threshold * entered) | (reflections >= REFLECTIONS_IN_A_ROW);
-        let survivor = if fault::active(Fault::RouletteBias) { 1.01 } else { 1.0 } / self.survival;
-        let worth = if u < self.survival { survivor } else { 0.0 };
-        if plays { worth } else { 1.0 }
-    }
-}
-
-impl Default for Roulette {
-    fn default() -> Self {
-        Self {
-            threshold: 0.1,
-            survival: 0.2,
-        }
-    }
-}
 
 /// Paths of one turn of a hero, whose phase table then stays in the nearest cache: at most this many, and few enough for so
 /// many rounds in a batch.
@@ -64,35 +17,6 @@ const PATHS_OF_A_TURN: usize = 16;
 const ROUNDS: usize = 8;
 /// New paths begin once so many lanes are idle: a lane written to on its own holds up the vectors that follow.
 const IDLE: u32 = 2;
-
-/// Where and whence light meets the body.
-#[derive(Clone, Copy, Debug)]
-pub struct Entry {
-    pub position: Vec3,
-    /// Outward unit normal.
-    pub normal: Vec3,
-    /// Unit vector towards the light, above the surface.
-    pub omega_in: Vec3,
-}
-
-/// A part of a path's light that leaves the body.
-#[derive(Clone, Copy, Debug)]
-pub struct Exit<'w> {
-    /// Where and whence the path met the body.
-    pub entry: Vec3,
-    pub omega_in: Vec3,
-    pub position: Vec3,
-    /// Outward unit normal.
-    pub normal: Vec3,
-    /// Unit direction outside, away from the body.
-    pub direction: Vec3,
-    /// Fraction of the path's incident flux at each wavelength of the interior.
-    pub weights: &'w [f64],
-    /// Whether it met a particle; if not it is ballistic, and its direction a delta.
-    pub scattered: bool,
-    /// Length of the path inside, mm.
-    pub length_mm: f64,
-}
 
 /// What a trace of paths leaves behind.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -33,9 +33,5 @@ pub(super) trait Weights<'a> {
     fn ledgers(&self) -> Vec<Ledger>;
 }
 
-/// Reflections in a row, with no particle between them, after which roulette is played whatever the weight. Light that
-/// entered at a grazing angle, or that total reflection traps in a body that hardly scatters, loses next to nothing in
-/// each and would go round without end.
-pub(super) const REFLECTIONS_IN_A_ROW: u64 = 10_000;
 /// Events on end without light that leaves, after which a path has its turn at roulette all the same.
 pub(super) const EVENTS_AT_MOST: u64 = 32;

@@ -10,6 +10,7 @@
 //! All but the spheres run through the same [`Walk`](crate::transport::Walk) as the yarn of a study. Everything is a
 //! fraction of the incident flux except efficiencies, asymmetry parameters and chords (in radii).
 
+mod check;
 mod cylinder;
 mod reference;
 mod slab;
@@ -19,57 +20,14 @@ mod yarn;
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
-use serde::Serialize;
 
-use crate::optics::{OpticsError, PhaseError};
-use crate::spectrum::SpectrumError;
-use crate::transport::{Estimate, Purpose, Stream, TransportError};
+use crate::transport::{Estimate, Purpose, Stream};
+use check::BATCHES;
+pub use check::{Check, MIN_PATHS, ValidateError};
 use cylinder::CylinderProblem;
 use slab::SlabProblem;
 use statistics::estimates;
 use yarn::YarnProblem;
-
-/// Batches of a problem; enough for a standard error that is itself good to 7 %.
-const BATCHES: usize = 100;
-/// Paths below which the mean of a batch is too far from normal for a z-score to mean anything.
-pub const MIN_PATHS: u64 = 100 * BATCHES as u64;
-
-/// One quantity of one problem beside its reference.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Check {
-    pub problem: String,
-    pub quantity: String,
-    pub value: f64,
-    /// Standard error of `value`; 0 for what is computed without random numbers.
-    pub se: f64,
-    pub reference: f64,
-    /// Standard error of the reference; 0 if it is exact.
-    pub reference_se: f64,
-    /// Standard normal if the program is right: (value − reference) over both standard errors and the rounding of the
-    /// reference. Two kinds differ. For a sphere, which has no statistics, it is the relative difference over the
-    /// tolerance (1e-10 up to size parameter 1e4, 1e-8 above), so that 1 is the limit. For a histogram `value` is the χ² of
-    /// all its bins together, `reference` their number, and `z` the normal deviate of that χ² by Wilson & Hilferty (1931).
-    pub z: f64,
-}
-
-/// Why the validation could not run.
-#[derive(Debug, thiserror::Error)]
-pub enum ValidateError {
-    #[error(
-        "paths: expected at least {MIN_PATHS} a problem, found {found}; with fewer the standard errors mean nothing"
-    )]
-    TooFewPaths { found: u64 },
-    #[error("reference table {table}: {source}")]
-    Table { table: &'static str, source: csv::Error },
-    #[error(transparent)]
-    Transport(#[from] TransportError),
-    #[error(transparent)]
-    Optics(#[from] OpticsError),
-    #[error(transparent)]
-    Phase(#[from] PhaseError),
-    #[error(transparent)]
-    Spectrum(#[from] SpectrumError),
-}
 
 /// A problem solved by random paths.
 enum Problem {

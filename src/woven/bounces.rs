@@ -1,37 +1,17 @@
-use super::air::{Air, Arrival, Caught, Kept, Landing, Past, Spread, Survival};
-use super::passage::{Passage, Skin};
+use super::air::{Air, Arrival, Caught, Kept, Landing, Past, Survival};
+use super::passage::Skin;
+use super::scattering::{Bounces, Parts};
 use super::sights::{Places, Seen, Sight};
 use super::straight::Straight;
 use super::{Beam, ClothBatch, ClothLedger, Detector, ViewCones, YarnSurface};
-use crate::cloth::{System, Tubes};
+use crate::cloth::System;
 use crate::geometry::Vec3;
-use crate::optics::fresnel::Interface;
 use crate::shading::FibreGloss;
 use crate::transport::{Purpose, Stream};
 use crate::yarn::{Meeting, Yarn, YarnSampler, kept_by_straight_yarn};
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
-
-/// Light scattered from yarn to yarn by their responses f*.
-///
-/// A particle that meets a yarn is, in part, reflected by its surface; the part that crosses without meeting a particle of the
-/// medium goes on through the smooth tube, refracted at each side; of the rest, a table that goes with the yarn's f* says how much
-/// leaves where on the section, by where on it light came in, and f* in what direction. All of it leaves at the place along the yarn
-/// where it came in.
-pub struct Bounces<'a> {
-    pub tubes: &'a Tubes,
-    /// Of warp and weft, with the same wavelengths.
-    pub yarns: [&'a Yarn; 2],
-    pub scatter: [&'a YarnSampler; 2],
-    /// Reflectance, at each wavelength, of a rough plane under the cloth.
-    pub backing: Option<&'a [f64]>,
-    /// What becomes of light that the outer surface of a yarn reflects.
-    pub surface: YarnSurface,
-    /// Yarns that light may go on to after the first it met; what would go on further is cut, and the ledger says how much that is.
-    pub most: usize,
-    pub seed: u64,
-}
 
 /// Views that look on while light goes from yarn to yarn.
 pub struct Onlookers<'a> {
@@ -60,14 +40,6 @@ impl Bounces<'_> {
     /// Batch number `batch` of `particles` particles, whose light `detector` catches as it leaves.
     pub fn batch<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> ClothBatch {
         self.trace(beam, detector, None, batch, particles)
-    }
-
-    pub(super) fn wavelengths(&self) -> usize {
-        self.yarns[0].medium.grid().len()
-    }
-
-    pub(super) fn skins(&self) -> [Skin; 2] {
-        self.yarns.map(Skin::new)
     }
 
     /// What views see of light that the first yarn it met has not scattered, or not that yarn alone, and of what it
@@ -186,33 +158,6 @@ impl Bounces<'_> {
         air.batch(particles)
     }
 
-    /// Sends on what crosses the yarn of the light inside; leaves in `parts.inside` what does not.
-    pub(super) fn cross<D: Detector>(
-        &self,
-        (yarn, skin): (&Yarn, &Skin),
-        arrival: &Arrival,
-        entry: &Interface,
-        parts: &mut Parts,
-        air: &mut Air<'_, D, Xoshiro256PlusPlus>,
-        rng: &mut Xoshiro256PlusPlus,
-    ) {
-        let (hit, direction) = (&arrival.hit, -arrival.omega_in);
-        let Some(Passage {
-            position,
-            direction,
-            length_mm,
-        }) = skin.passage(self.tubes, hit, &direction, entry, rng)
-        else {
-            return;
-        };
-        let extinction = yarn.medium.extinction_per_mm();
-        for ((inside, out), extinction) in parts.inside.iter_mut().zip(&mut parts.out).zip(extinction) {
-            *out = *inside * (-extinction * length_mm).exp();
-            *inside -= *out;
-        }
-        air.launch(position, direction, &parts.out, arrival.past.through_yarn());
-    }
-
     /// Adds to what the views see of the light that fibres reflect.
     fn show_gloss(&self, gloss: &FibreGloss, arrival: &Arrival, reflected: &[f64], views: &mut [Flux]) {
         let hit = &arrival.hit;
@@ -293,75 +238,6 @@ impl Bounces<'_> {
             }
         }
     }
-
-    fn scatter<D: Detector>(
-        &self,
-        (yarn, scatter, meeting): (&Yarn, &YarnSampler, &Meeting),
-        arrival: &Arrival,
-        parts: &mut Parts,
-        air: &mut Air<'_, D, Xoshiro256PlusPlus>,
-        rng: &mut Xoshiro256PlusPlus,
-    ) {
-        let hit = &arrival.hit;
-        let numbers = [rng.random(), rng.random(), rng.random()];
-        let absorbs = || yarn.medium.mu_a_per_mm().iter().map(|mu_a| *mu_a > 0.0);
-        let Some(leaving) = scatter.sample(meeting, numbers) else {
-            let inside = || parts.inside.iter().zip(absorbs());
-            air.keep(
-                Kept::Absorbed,
-                inside().map(|(inside, absorbs)| if absorbs { *inside } else { 0.0 }),
-            );
-            air.keep(
-                Kept::BouncesCut,
-                inside().map(|(inside, absorbs)| if absorbs { 0.0 } else { *inside }),
-            );
-            return;
-        };
-        for ((out, inside), worth) in parts.out.iter_mut().zip(&parts.inside).zip(scatter.worth(&leaving)) {
-            *out = inside * worth;
-        }
-        // The draw is worth the albedo in the mean only. A medium that absorbs nothing has an albedo of 1, whatever the noise of
-        // the table made of it.
-        let albedo = scatter.albedo(meeting).iter().zip(absorbs());
-        let kept = parts.inside.iter().zip(albedo);
-        let kept = kept.map(|(inside, (albedo, absorbs))| if absorbs { inside * (1.0 - albedo) } else { 0.0 });
-        air.keep(Kept::Absorbed, kept.clone());
-        let light = parts.inside.iter().zip(&parts.out).zip(kept);
-        air.keep(Kept::Games, light.map(|((inside, out), kept)| inside - kept - out));
-        let outward = hit.frame.to_world(&leaving.normal);
-        let position = self.tubes.beside(hit.yarn.system, hit.position.into(), outward.into());
-        air.launch(
-            position.into(),
-            hit.frame.to_world(&leaving.direction),
-            &parts.out,
-            arrival.past.spread_by_yarn(Spread::Scattered),
-        );
-    }
-}
-
-/// Weights of one particle at every wavelength: inside and not ballistic, and on the way out.
-pub(super) struct Parts {
-    inside: Vec<f64>,
-    pub out: Vec<f64>,
-}
-
-impl Parts {
-    pub fn new(wavelengths: usize) -> Self {
-        Self {
-            inside: vec![0.0; wavelengths],
-            out: vec![0.0; wavelengths],
-        }
-    }
-
-    /// Splits light that meets a yarn: what its surface reflects, `out`, and what goes in, `inside`.
-    pub fn enter(&mut self, skin: &Skin, arrival: &Arrival, weights: &[f32]) -> Interface {
-        let entry = skin.outside(&arrival.hit, &-arrival.omega_in);
-        for ((inside, out), weight) in self.inside.iter_mut().zip(&mut self.out).zip(weights) {
-            *out = entry.reflectance * f64::from(*weight);
-            *inside = f64::from(*weight) - *out;
-        }
-        entry
-    }
 }
 
 /// Of light that meets a straight yarn, what is neither reflected nor ballistic: f* was traced in one. In a bent one
@@ -372,15 +248,4 @@ fn straight_yarn(yarn: &Yarn, skin: &Skin, arrival: &Arrival, weights: &[f32], i
     for (w, (inside, weight)) in inside.iter_mut().zip(weights).enumerate() {
         *inside = f64::from(*weight) * kept_by_straight_yarn(yarn, w, &surface, local.y / skin.index);
     }
-}
-
-/// Catches nothing.
-pub(super) struct Nothing;
-
-impl Detector for Nothing {
-    fn bins(&self) -> usize {
-        0
-    }
-
-    fn find(&self, _: &Vec3, _: impl FnMut(usize, f64)) {}
 }

@@ -9,14 +9,16 @@ mod bounces;
 mod detector;
 mod ledger;
 mod passage;
+mod scattering;
 mod sights;
 mod straight;
 mod surface;
 mod volumetric;
 
-pub use bounces::{Bounces, Onlookers};
+pub use bounces::Onlookers;
 pub use detector::{Detector, HemisphereNodes, ViewCones};
 pub use ledger::ClothLedger;
+pub use scattering::Bounces;
 pub use sights::{Places, Sight};
 pub use surface::YarnSurface;
 pub use volumetric::{Inside, Volumetric};

@@ -1,5 +1,5 @@
 use super::air::{Air, Caught, Survival};
-use super::bounces::{Bounces, Nothing, Parts};
+use super::scattering::{Bounces, Nothing, Parts};
 use super::{Beam, YarnSurface};
 use crate::cloth::{System, TubeHit, Tubes};
 use crate::geometry::Vec3;

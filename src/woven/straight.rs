@@ -1,5 +1,5 @@
-use super::bounces::Bounces;
 use super::passage::{Passage, Skin, mirrored};
+use super::scattering::Bounces;
 use super::{Beam, Detector, YarnSurface};
 use crate::cloth::TubeHit;
 use crate::geometry::Vec3;

@@ -5,6 +5,7 @@ mod direct;
 mod directions;
 mod energy;
 mod far_field;
+mod interpolation;
 mod lengths;
 mod reabsorption;
 mod response;

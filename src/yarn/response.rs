@@ -1,5 +1,5 @@
-use super::response_weights::Interpolation;
-use super::{Yarn, YarnError, YarnResponseGrid, YarnSampler};
+use super::interpolation::Interpolation;
+use super::{YarnError, YarnResponseGrid};
 use crate::geometry::Vec3;
 use ndarray::{Array4, Array5};
 use std::iter::zip;
@@ -134,14 +134,6 @@ impl YarnResponse {
             }
         }
         sum
-    }
-
-    /// Tables to draw by where on the section of `yarn`, and in what direction, scattered light leaves.
-    ///
-    /// # Errors
-    /// None for the yarn this was traced in.
-    pub fn sampler(&self, yarn: &Yarn) -> Result<YarnSampler, YarnError> {
-        YarnSampler::new(yarn, self)
     }
 }
 

@@ -51,6 +51,16 @@ pub struct Leaving {
 const TILT_NODES: usize = 8;
 const WIDTH_NODES: usize = 72;
 
+impl YarnResponse {
+    /// Tables to draw by where on the section of `yarn`, and in what direction, scattered light leaves.
+    ///
+    /// # Errors
+    /// None for the yarn this was traced in.
+    pub fn sampler(&self, yarn: &Yarn) -> Result<YarnSampler, YarnError> {
+        YarnSampler::new(yarn, self)
+    }
+}
+
 impl YarnSampler {
     /// Of the yarn that the response was traced in.
     ///
