@@ -1,8 +1,32 @@
 //! Spectral validation of physically based cloth models.
 //!
 //! Data flows one way: spectra → medium → yarn → yarn response f* → cloth → rig → colour → comparison → report.
-//! `output` (places files are written to) lies below `artefact` and all of them.
-//! A module uses the ones listed before it and never one listed after it.
+//! The rooms from the ground up; each uses rooms above it in this list and none below it (`tests/structure.rs`).
+//!
+//! - `fault`: deliberate faults of the physics, for tests alone
+//! - `number`: numbers as people write them
+//! - `geometry`: vectors, frames, cells on the sphere, interpolation
+//! - `text`: bounded reading and the grammars of tables
+//! - `output`: places that files are written to, whole or not at all
+//! - `artefact`: files of large arrays with their identity
+//! - `spectrum`: wavelength grids, spectra, built-in tables
+//! - `colour`: observers, illuminants, RGB spaces, the one conversion
+//! - `optics`: Fresnel, Mie, phase functions, medium
+//! - `shading`: shading about a normal: Cook–Torrance, classical models, fibres
+//! - `transport`: the Monte Carlo kernel, its ledger and its statistics
+//! - `validate`: reference problems of optics and transport
+//! - `yarn`: light in one yarn: BSSRDF and yarn response f*
+//! - `cloth`: weaves, centre lines, tubes, the scene a camera sees
+//! - `woven`: light between the yarns of a cloth
+//! - `formats`: files of goniometric measurements and drafts
+//! - `weave`: drafts by name or from files
+//! - `rig`: directions, camera rays and brightness factors
+//! - `sample`: a measurement to compare with
+//! - `compare`: errors, ratios and verdicts
+//! - `study`: the keys of a study
+//! - `report`: the result: written, read back, drawn
+//! - `run`: a whole study from its values to its result
+//! - `check`: laws of physics as gates
 
 pub mod artefact;
 pub mod check;

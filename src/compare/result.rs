@@ -1,0 +1,161 @@
+//! What a comparison takes and what it says.
+
+use super::{Channels, Estimate};
+use crate::number::nan_from_null;
+use crate::sample::Reading;
+use serde::{Deserialize, Serialize};
+
+/// Direction of light and of view in the plane of incidence.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Geometry {
+    /// From the cloth's normal, 0 or more.
+    pub theta_i_deg: f64,
+    /// Signed, negative on the light's side of the normal.
+    pub theta_v_deg: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    Model,
+    Classical,
+    Measured,
+}
+
+/// Linear red, green, blue and luminance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Channel {
+    R,
+    G,
+    B,
+    Y,
+}
+
+impl Channel {
+    pub const ALL: [Self; 4] = [Self::R, Self::G, Self::B, Self::Y];
+}
+
+/// Brightness factors β to compare; the lists run along `geometries`. At least one was measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Inputs<'a> {
+    pub geometries: &'a [Geometry],
+    /// Independent Monte Carlo batches of equal weight, two or more; the model's value is their mean.
+    pub model_batches: &'a [Vec<Channels>],
+    /// Free of Monte Carlo error.
+    pub classical: &'a [Channels],
+    /// `None` where nothing was measured.
+    pub measured: &'a [Option<Reading>],
+}
+
+/// measured/model luminance at the reading nearest to normal incidence and view, one scalar a source; a perfect model has 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Normalisation {
+    pub model: Estimate,
+    pub classical: Estimate,
+}
+
+/// β of one source at one geometry, multiplied by the source's normalisation coefficient. The standard error of model
+/// and classical values includes that of the coefficient, hence of the measured luminance at the normal.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CurvePoint {
+    pub theta_i_deg: f64,
+    pub theta_v_deg: f64,
+    pub source: Source,
+    pub channel: Channel,
+    #[serde(deserialize_with = "nan_from_null")]
+    pub beta: f64,
+    #[serde(deserialize_with = "nan_from_null")]
+    pub se: f64,
+    /// A measured value that is linear between neighbouring views.
+    pub interpolated: bool,
+}
+
+/// Departure of a normalised source from the measurement over the views of one incidence. Measurement noise of
+/// relative size s adds to it: it does not fall below s for a perfect model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rmse {
+    pub theta_i_deg: f64,
+    pub source: Source,
+    pub channel: Channel,
+    /// Root of the mean squared difference in β.
+    #[serde(flatten)]
+    pub rmse: Estimate,
+    /// The same over the mean measured β of these views; `None` if that is not positive.
+    pub relative: Option<Estimate>,
+    /// Views that were measured.
+    pub views: usize,
+}
+
+/// View angle in degrees at which a curve is highest, by the parabola through its highest value and the two beside.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Peak {
+    pub theta_i_deg: f64,
+    pub source: Source,
+    pub channel: Channel,
+    /// `None` for a flat curve, which has no peak.
+    pub angle_deg: Option<Estimate>,
+    /// The highest value is at the first or last view: the curve may rise further outside.
+    pub at_edge: bool,
+}
+
+/// How the model does beside classical shading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Verdict {
+    #[serde(rename = "better")]
+    Better,
+    #[serde(rename = "worse")]
+    Worse,
+    #[serde(rename = "cannot tell")]
+    CannotTell,
+}
+
+/// RMSE(classical)/RMSE(model), above 1 where the model is nearer to the measurement. The Monte Carlo noise in the
+/// model's mean square is taken off first, so the ratio may lie a little above that of the two [`Rmse`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RmseRatio {
+    pub theta_i_deg: f64,
+    pub channel: Channel,
+    #[serde(deserialize_with = "nan_from_null")]
+    pub ratio: f64,
+    /// 95 % interval, symmetric in the logarithm, Student's t with the effective degrees of freedom of the batches
+    /// (Welch–Satterthwaite). `None` if an RMSE is exactly 0 or `too_few_paths`. Measurement noise adds to both RMSE and draws the ratio
+    /// towards 1, so the verdict errs on the side of `CannotTell`.
+    pub interval: Option<[f64; 2]>,
+    /// The model's luminance at this incidence, or its normalisation, is known to no better than a quarter: no verdict.
+    pub too_few_paths: bool,
+    /// Better or worse if the interval leaves out 1. Each verdict has its own chance of a false alarm, about 5 % (4 to
+    /// 6 % in trials with 8 batches and noise up to half of the departures); they are not corrected for their number.
+    pub verdict: Verdict,
+}
+
+/// Blue/red and green/red at one geometry; normalisation cancels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ColourRatios {
+    pub blue_over_red: Estimate,
+    pub green_over_red: Estimate,
+    pub red: Estimate,
+    /// Red is within two of its standard errors of 0, or below 2 % of the largest component: a ratio to it means nothing.
+    pub red_is_zero: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SourceRatios {
+    pub source: Source,
+    #[serde(flatten)]
+    pub ratios: ColourRatios,
+}
+
+/// All that the report says of model, classical shading and measurement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// `None` where a source has no light at the reference: then all values are absolute.
+    pub normalisation: Option<Normalisation>,
+    /// The measured geometry nearest to normal incidence and view: of normalisation and colour ratios.
+    pub reference: Geometry,
+    pub curves: Vec<CurvePoint>,
+    pub rmse: Vec<Rmse>,
+    pub peaks: Vec<Peak>,
+    pub rmse_ratios: Vec<RmseRatio>,
+    pub colour_ratios: Vec<SourceRatios>,
+}
