@@ -1,6 +1,8 @@
+use super::inspect::Chosen;
 use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, inputs_of, recorded_command, study};
 use serde::Serialize;
 use specval::compare::Geometry;
+use specval::formats::Scatter;
 use specval::output::{NamedFile, ReportFolder};
 use specval::report::{file_names, render, report_json, summary};
 use specval::run::{self, Simulator, Stage, StateFile, Watch};
@@ -26,6 +28,8 @@ pub struct Arguments {
     #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file", help::samples()), value_name = "SAMPLE")]
     measured: Option<String>,
     #[command(flatten)]
+    chosen: Chosen,
+    #[command(flatten)]
     replace: Replace,
     #[command(flatten)]
     stopping: Stopping,
@@ -36,9 +40,16 @@ const APPROXIMATIONS: [&str; 2] = ["approximations.csv", "locality.csv"];
 
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "--out -: a report is a folder of files and cannot go to stdout; name a folder, such as ./-, or print its document with --json"
+    "--out -: expected a folder, as a report is many files, found stdout; name a folder, such as ./-, or print its document with --json"
 )]
 struct NoFolder;
+
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "--scatter transmission: expected reflection, which is what model and classical shading are of, found transmission; leave \
+     --scatter out, or test the transmission by itself with `specval check --sample`"
+)]
+struct NoTransmission;
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
     let mut study = study::load(arguments.study.as_deref(), options)?;
@@ -54,7 +65,10 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         return Err(NoFolder.into());
     }
     let inputs = inputs_of(arguments.study.as_deref(), &study);
-    let plan = study::plan(study)?;
+    if arguments.chosen.scatter == Some(Scatter::Transmission) {
+        return Err(NoTransmission.into());
+    }
+    let plan = study::plan_with(study, arguments.chosen.into())?;
     if let Some(notice) = plan.work_notice() {
         terminal.notice(&notice);
     }
