@@ -306,7 +306,7 @@ fn every_fault_is_found_with_its_line() {
     assert!(
         message.ends_with(
             "cloth.csv, line 2, column theta_v_deg: expected a signed view angle in degrees, above -90 and below 90, \
-             found 95; reflection only: the view lies above the cloth"
+             found 95; check the unit and the column; readings are of reflection alone, with the view above the cloth"
         ),
         "{message}"
     );
