@@ -351,9 +351,9 @@ fn bad_spectra_are_refused_with_file_line_and_column() {
     let at = |name: &str| scratch.path().join(name).to_str().unwrap().to_owned();
     for (name, text, expected) in [
         (
-            "descending.csv",
-            "wavelength_nm,a\n500,1\n490,1\n",
-            &["descending.csv", "line 3", "wavelength_nm", "above 500 nm", "490"][..],
+            "twice.csv",
+            "wavelength_nm,a\n500,1\n500,0.9\n",
+            &["twice.csv", "line 3", "wavelength_nm", "above 500 nm", "or their mean"][..],
         ),
         (
             "nan.csv",

@@ -376,7 +376,6 @@ fn a_file_of_another_kind_is_told_by_what_it_is() {
             &["check", "check.json"],
             "the document of `specval check --json`; compare with it by `specval check --against",
         ),
-        (&["inspect", "s.toml"], "a study; run it with `specval report"),
         (
             &["reabsorb", "s.toml", "--kappa-peak", "1", "--out", "x"],
             "a study; run it",
@@ -401,5 +400,17 @@ fn a_file_of_another_kind_is_told_by_what_it_is() {
         (&["report", "broken.toml"], "line 1"),
     ] {
         refuse(here, arguments, words);
+    }
+    // Of the program's own files `inspect` shows counts and units.
+    for (file, words) in [
+        ("s.toml", &["study, run by", " nm\n", " deg"][..]),
+        ("a.trace", &["trace, whose absorption", " x ", " of "]),
+        ("a.shard", &["shard of a trace", " x "]),
+        ("check.json", &["result of a check", "list of 0"]),
+    ] {
+        let output = command::specval(here, &["inspect", file]);
+        assert!(output.status.success(), "{file}: {}", message(&output));
+        let shown = String::from_utf8(output.stdout).unwrap();
+        assert!(words.iter().all(|words| shown.contains(words)), "{file}: {shown}");
     }
 }

@@ -50,7 +50,8 @@ fn narrow_lobes_are_integrated_at_their_nodes() {
 fn radiance_files_have_the_values_of_radiance() {
     let normal = Vec3::z();
     let tree = load("ttree3_small.xml");
-    // The function is 0.26 there, its leaves around are 0.2476, 0.2527, 0.2557 and 0.2608.
+    // The function is 0.26 there, its leaves around are 0.2476, 0.2527, 0.2557 and 0.2608. Radiance takes one of them by the signs
+    // of zeros: 0.2476 at the normal itself, 0.2557 or 0.2527 at 1e-6 degrees from it; here it is the mean over azimuths.
     let found = bsdf(&tree, &normal, &normal);
     assert!((found - 0.2542).abs() < 1e-4, "{found}");
     // Sums over leaves are those over directions, here by an even rule of 200 × 400 points.
@@ -291,7 +292,10 @@ fn resampling_keeps_hemispherical_values() {
                 );
             }
             assert!(
-                written.notices.iter().any(|n| n.contains("hemispherical")),
+                written
+                    .notices
+                    .iter()
+                    .any(|n| n.contains("hemispherical") && n.contains("integrated to within")),
                 "{:?}",
                 written.notices
             );

@@ -241,7 +241,7 @@ fn every_fault_is_found_with_its_line() {
         (
             "theta_i (rad),theta_v_deg,beta_r,beta_g,beta_b\n0,0,1,1,1\n".into(),
             1,
-            "a column theta_i_deg",
+            "angles in degrees",
         ),
         (
             "theta_i_deg,theta_v_deg,0.45,0.55\n0,0,1,1\n".into(),
@@ -267,12 +267,12 @@ fn every_fault_is_found_with_its_line() {
         (format!("{RGB}0,-90,1,1,1\n"), 2, "below 90"),
         (format!("{RGB}0,90,1,1,1\n"), 2, "below 90"),
         (
-            format!("{RGB}0,0,1,1,1\n0,5,1,1,1\n0,-0,1,1,1\n"),
+            format!("{RGB}0,0,1,1,1\n0,5,1,1,1\n0,-0,1,1,0.9\n"),
             4,
             "every geometry once",
         ),
         (format!("{RGB}0,0,1,1\n"), 2, "5 values"),
-        (format!("{SPECTRAL}0,0,500,1\n0,0,500,1\n"), 3, "every geometry once"),
+        (format!("{SPECTRAL}0,0,500,1\n0,0,500,0.9\n"), 3, "every geometry once"),
         (
             format!("{SPECTRAL}0,0,500,1\n0,0,600,1\n0,5,500,1\n0,5,610,1\n"),
             4,
@@ -306,7 +306,7 @@ fn every_fault_is_found_with_its_line() {
     assert!(
         message.ends_with(
             "cloth.csv, line 2, column theta_v_deg: expected a signed view angle in degrees, above -90 and below 90, \
-             found 95; reflection only: the view lies above the cloth"
+             found 95; check the unit and the column; readings are of reflection alone, with the view above the cloth"
         ),
         "{message}"
     );

@@ -123,6 +123,7 @@ fn usual_files_are_read() {
             "[WEFT COLORS]\n99=1\n",
             Some("threads that the draft does not have (99)"),
         ),
+        ("Threads=8", "Threads=0", Some("as many as are listed")),
         (
             "[CONTENTS]\n",
             "[CONTENTS]\nWEFT SYMBOLS=1\nNOTES=no\n",

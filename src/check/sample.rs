@@ -2,14 +2,17 @@
 
 use super::gate::{Gate, Judge, Law, Place, Verdict};
 use super::{CheckError, Checked, Subject};
+use crate::number::shown;
 use crate::report::InputDigest;
-use crate::sample::{RawReading, Sample, SampleError, Uncertainty};
+use crate::run::FileKind;
+use crate::sample::{Chosen, RawReading, Sample, SampleError, Uncertainty};
 use crate::study::CheckSection;
 use statrs::distribution::{ContinuousCDF, Normal};
+use std::path::Path;
 
 const READINGS: Law = Law {
     name: "sample-readings",
-    words: "every reading is a brightness factor of 0 or more, and every geometry stands once",
+    words: "every reading is a brightness factor of 0 or more, and no geometry has two values",
 };
 const UNCERTAINTY: Law = Law {
     name: "sample-uncertainty",
@@ -25,7 +28,7 @@ const RECIPROCITY: Law = Law {
 };
 const ENERGY: Law = Law {
     name: "sample-energy",
-    words: "the directional-hemispherical reflectance is at most 1",
+    words: "the directional-hemispherical reflectance, or transmittance, is at most 1",
 };
 const ENERGY_OF_PLANE: Law = Law {
     name: "sample-energy",
@@ -53,7 +56,7 @@ const STOCHASTIC_GATES: f64 = 3.0;
 ///
 /// # Errors
 /// No such sample, or one without readings.
-pub fn sample(name_or_path: &str, tolerances: &CheckSection) -> Result<Checked, CheckError> {
+pub fn sample(name_or_path: &str, chosen: Chosen, tolerances: &CheckSection) -> Result<Checked, CheckError> {
     let mut subject = Subject {
         version: env!("CARGO_PKG_VERSION").into(),
         kind: "sample",
@@ -62,9 +65,10 @@ pub fn sample(name_or_path: &str, tolerances: &CheckSection) -> Result<Checked, 
         study: serde_json::Value::Null,
         inputs: Vec::new(),
     };
-    let sample = match Sample::load(name_or_path) {
+    let sample = match Sample::load_chosen(name_or_path, chosen) {
         Ok(sample) => sample,
-        Err(SampleError::Csv(error)) => {
+        // Of a table of readings alone can a law be broken; another file is none that could be tested.
+        Err(SampleError::Csv(error)) if FileKind::of(Path::new(name_or_path)) == Some(FileKind::Sample) => {
             let gate = Gate {
                 verdict: Verdict::Broken,
                 ..Gate::undecided(READINGS)
@@ -95,7 +99,9 @@ pub fn sample(name_or_path: &str, tolerances: &CheckSection) -> Result<Checked, 
     };
     let mut gates = vec![curves.readings(), curves.uncertainty(), curves.coverage()];
     if !curves.readings.is_empty() {
-        gates.extend(curves.reciprocity(tolerances.sample));
+        if !sample.is_transmission() {
+            gates.extend(curves.reciprocity(tolerances.sample));
+        }
         gates.push(curves.energy());
         gates.push(curves.jumps(tolerances.sample));
         gates.push(curves.units());
@@ -134,7 +140,8 @@ impl<'a> Curves<'a> {
     fn place(&self, reading: &RawReading, value: usize) -> Place {
         let geometry = format!(
             "theta_i {} deg, theta_v {} deg",
-            reading.theta_i_deg, reading.theta_v_deg
+            shown(reading.theta_i_deg),
+            shown(reading.theta_v_deg)
         );
         match self.wavelengths_nm {
             Some(nm) => Place::new(nm[value], geometry),
@@ -222,12 +229,13 @@ impl<'a> Curves<'a> {
             let views: Vec<f64> = curve.iter().map(|reading| reading.theta_v_deg).collect();
             let (low, high) = (views[0], views[views.len() - 1]);
             let gap = views.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-            // Differences of decimals, as people write them.
-            let gap = (gap * 1e6).round() / 1e6;
             if low > -REACH_DEG || high < REACH_DEG || gap > GAP_DEG {
                 lacks.push(format!(
-                    "incidence {} has views {low} to {high}, gaps of {gap} degrees at most",
-                    curve[0].theta_i_deg
+                    "incidence {} has views {} to {}, gaps of {} degrees at most",
+                    shown(curve[0].theta_i_deg),
+                    shown(low),
+                    shown(high),
+                    shown(gap)
                 ));
             }
         }
@@ -326,8 +334,12 @@ impl<'a> Curves<'a> {
                     value: value - 1.0,
                     se: if beta > 0.0 { value * se / beta } else { 0.0 },
                     place: match self.wavelengths_nm {
-                        Some(nm) => Place::new(nm[k], format!("theta_i {} deg", curve[0].theta_i_deg)),
-                        None => Place::named(format!("theta_i {} deg, channel {}", curve[0].theta_i_deg, k + 1)),
+                        Some(nm) => Place::new(nm[k], format!("theta_i {} deg", shown(curve[0].theta_i_deg))),
+                        None => Place::named(format!(
+                            "theta_i {} deg, channel {}",
+                            shown(curve[0].theta_i_deg),
+                            k + 1
+                        )),
                     },
                 });
             }

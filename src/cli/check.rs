@@ -1,3 +1,4 @@
+use super::inspect::Chosen;
 use super::{Failure, Options, Replace, Terminal, claim, help, inputs_of, study};
 use specval::check::{self, Baseline, CheckEffort, Checked, Verdict, annotations, junit, table};
 use specval::output::write_whole;
@@ -20,6 +21,8 @@ pub struct Arguments {
     quick: bool,
     #[arg(long, help = format!("Test a measurement instead of a study: a built-in name ({}), a folder or a file. Tolerances are the study's", help::samples()), value_name = "SAMPLE", conflicts_with_all = ["quick", "against"])]
     sample: Option<String>,
+    #[command(flatten)]
+    chosen: Chosen,
     /// Compare with an earlier result as well: the document of `check --json`.
     #[arg(long, value_name = "FILE")]
     against: Option<PathBuf>,
@@ -47,9 +50,12 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<ExitCode, Failure
         Some(sample) => {
             // A gate would call a file of another kind a broken measurement.
             study::expect_sample(sample)?;
-            check::sample(sample, &study.check)?
+            check::sample(sample, arguments.chosen.into(), &study.check)?
         }
-        None => of_study(arguments, options, terminal, study)?,
+        None => {
+            arguments.chosen.refuse_for("no --sample")?;
+            of_study(arguments, options, terminal, study)?
+        }
     };
     for place in places {
         write_whole(place, &junit(&checked)?)?;

@@ -1,3 +1,4 @@
+use super::inspect::Chosen;
 use super::{Failure, Terminal, study};
 use serde::Serialize;
 use specval::colour::{Adaptation, Colour, ColourSystem, Convention, Illuminant, Observer, RgbSpace, Stated, Xyz};
@@ -16,6 +17,8 @@ pub struct Arguments {
     /// text; or readings over incidence and view, as `measure` writes them.
     #[arg(value_name = "FILE")]
     file: PathBuf,
+    #[command(flatten)]
+    chosen: Chosen,
     /// cie1931-2deg, cie1964-10deg, or a file of xbar, ybar, zbar [default: what a CGATS file states, else cie1931-2deg].
     #[arg(long, value_parser = Observer::load)]
     observer: Option<Observer>,
@@ -77,7 +80,7 @@ struct Spectrum {
 struct NoSpectra(String);
 
 pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
-    let spectra = read(&arguments.file).map_err(|error| no_spectra(error, &arguments.file))?;
+    let spectra = read(&arguments.file, arguments.chosen).map_err(|error| no_spectra(error, &arguments.file))?;
     let mut notices = spectra.notices;
     let stated = Stated::of(&spectra.stated);
     let convention = Convention {
@@ -129,14 +132,17 @@ fn no_spectra(error: impl Into<Failure>, path: &Path) -> Failure {
     study::or_other_kind(error, path, "a table of spectra", due)
 }
 
-fn read(path: &Path) -> Result<Spectra, Failure> {
+fn read(path: &Path, chosen: Chosen) -> Result<Spectra, Failure> {
     let format = formats::format_of(path);
     if matches!(format, Ok(Format::Csv)) {
-        return readings(path);
+        return readings(path, chosen);
     }
     match (SpectraFile::read(path), format) {
-        (Ok(file), _) => Ok(named(file)?),
-        (Err(_), Ok(format)) if format != Format::Wif => readings(path),
+        (Ok(file), _) => {
+            chosen.refuse_for("a table of spectra")?;
+            Ok(named(file)?)
+        }
+        (Err(_), Ok(format)) if format != Format::Wif => readings(path, chosen),
         (Err(error), _) => Err(error.into()),
     }
 }
@@ -168,9 +174,9 @@ fn named(file: SpectraFile) -> Result<Spectra, Failure> {
 }
 
 /// Readings over incidence and view, one spectrum for each.
-fn readings(path: &Path) -> Result<Spectra, Failure> {
+fn readings(path: &Path, chosen: Chosen) -> Result<Spectra, Failure> {
     let name = path.display().to_string();
-    let sample = Sample::load(&name)?;
+    let sample = Sample::load_chosen(&name, chosen.into())?;
     let nm = sample.wavelengths_nm().ok_or(NoSpectra(name))?;
     let grid = WavelengthGrid::new(nm.to_vec())?;
     let mut all = Vec::new();
@@ -188,10 +194,7 @@ fn readings(path: &Path) -> Result<Spectra, Failure> {
             notices: Vec::new(),
         });
     }
-    let values = all.iter().flat_map(|spectrum| spectrum.values.iter().copied());
-    let notices = plausibility::per_cent_for_fractions("beta", values)
-        .into_iter()
-        .collect();
+    let notices = sample.notices().to_vec();
     Ok(Spectra {
         grid,
         all,

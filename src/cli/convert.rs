@@ -34,7 +34,7 @@ pub(super) enum ConvertError {
     )]
     Extension { path: PathBuf },
     #[error(
-        "{}: the extension says {by_name}, and --scatter {asked}; name the file .{extension}, or leave --scatter out",
+        "{}: expected {asked}, as --scatter says, found an extension of {by_name}; name the file .{extension}, or leave --scatter out",
         path.display()
     )]
     Scatter {

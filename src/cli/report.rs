@@ -1,4 +1,6 @@
+use super::inspect::Chosen;
 use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, inputs_of, recorded_command, study};
+use specval::formats::Scatter;
 use specval::output::ReportFolder;
 use specval::report::{ReportData, file_names, read_result, render, report_json, summary};
 use specval::run::{self, Simulator, Stage, StateFile, Watch};
@@ -24,8 +26,10 @@ pub struct Arguments {
     #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file", help::samples()), value_name = "SAMPLE")]
     measured: Option<String>,
     /// Draw the report of a finished run again, without tracing: its result.json, or its folder.
-    #[arg(long, value_name = "RESULT", conflicts_with_all = ["study", "quick", "approximations", "measured", "until", "max_time", "resume"])]
+    #[arg(long, value_name = "RESULT", conflicts_with_all = ["study", "quick", "approximations", "measured", "scatter", "side", "until", "max_time", "resume"])]
     from: Option<PathBuf>,
+    #[command(flatten)]
+    chosen: Chosen,
     #[command(flatten)]
     replace: Replace,
     #[command(flatten)]
@@ -34,7 +38,7 @@ pub struct Arguments {
 
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "--out -: a report is a folder of files and cannot go to stdout; name a folder, such as ./-, or print its document with --json"
+    "--out -: expected a folder, as a report is many files, found stdout; name a folder, such as ./-, or print its document with --json"
 )]
 struct NoFolder;
 
@@ -43,6 +47,13 @@ struct NoFolder;
 struct Finished {
     option: &'static str,
 }
+
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "--scatter transmission: expected reflection, which is what model and classical shading are of, found transmission; leave \
+     --scatter out, or test the transmission by itself with `specval check --sample`"
+)]
+struct NoTransmission;
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
     if arguments.out == Path::new("-") {
@@ -61,7 +72,10 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         notices.push("--quick: paths and camera rays are reduced; `study` holds the numbers that were used".into());
     }
     let inputs = inputs_of(arguments.study.as_deref(), &study);
-    let plan = study::plan(study)?;
+    if arguments.chosen.scatter == Some(Scatter::Transmission) {
+        return Err(NoTransmission.into());
+    }
+    let plan = study::plan_with(study, arguments.chosen.into())?;
     if let Some(notice) = plan.work_notice() {
         terminal.notice(&notice);
     }

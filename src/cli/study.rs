@@ -2,26 +2,36 @@
 
 use super::{Failure, Options};
 use specval::run::{FileKind, OtherKind, Plan, RunError};
+use specval::sample::Chosen;
 use specval::study::{Study, StudyError};
 use std::path::{Path, PathBuf};
 
 /// Why there is no study to run.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
-    #[error("{}: the study cannot be read; `specval init` writes one", path.display())]
-    Read {
-        path: PathBuf,
-        #[source]
-        cause: std::io::Error,
+    #[error("{}: expected a study, which is text, found {found}; `specval init` writes one", path.display())]
+    Read { path: PathBuf, found: String },
+    #[error("{error}{}", remedy(.error))]
+    Study {
+        #[from]
+        error: StudyError,
     },
-    #[error(transparent)]
-    Study(#[from] StudyError),
     #[error(transparent)]
     OtherKind(#[from] OtherKind),
     #[error(
         "--paths: expected {batches} or more, a path for each of the study's batches, found {found}; raise --paths, or lower `trace.batches`"
     )]
     FewPaths { batches: u32, found: u64 },
+}
+
+/// For errors that name none themselves.
+fn remedy(error: &StudyError) -> &'static str {
+    match error {
+        StudyError::Syntax { .. } => "; mend the line; `specval init` writes a study to compare with",
+        StudyError::Type { .. } => "; correct the value, or remove the line for its default",
+        StudyError::UnknownKey { .. } => "; correct or remove it",
+        _ => "",
+    }
 }
 
 /// The study of the file, or the built-in one, with the options of the command line in it.
@@ -54,19 +64,36 @@ pub fn load(path: Option<&Path>, options: &Options) -> Result<Study, LoadError> 
     Ok(study)
 }
 
-fn read(path: &Path) -> Result<Study, LoadError> {
-    let text = std::fs::read_to_string(path).map_err(|cause| LoadError::Read {
+pub fn read(path: &Path) -> Result<Study, LoadError> {
+    let refuse = |found: String| LoadError::Read {
         path: path.to_owned(),
-        cause,
+        found,
+    };
+    let bytes = std::fs::read(path).map_err(|cause| refuse(cause.to_string()))?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();
+        refuse(format!(
+            "byte 0x{:02x} on line {line}, which is not UTF-8",
+            error.as_bytes()[at]
+        ))
     })?;
+    if text.trim().is_empty() {
+        return Err(refuse("an empty file, which would be the built-in study".into()));
+    }
     let study = Study::from_toml(&text, &path.display().to_string())?;
     Ok(study.at_folder(path.parent().unwrap_or(Path::new(""))))
 }
 
 /// The plan of a study. A sample or draft of another kind is told by what it is.
 pub fn plan(study: Study) -> Result<Plan, Failure> {
+    plan_with(study, Chosen::default())
+}
+
+/// [`plan`] with a component of the sample that is chosen.
+pub fn plan_with(study: Study, chosen: Chosen) -> Result<Plan, Failure> {
     let (sample, draft) = (study.measured.sample.clone(), study.weave.draft.clone());
-    Plan::new(study).map_err(|error| match (error.unplaced(), draft) {
+    Plan::with_sample(study, chosen).map_err(|error| match (error.unplaced(), draft) {
         (RunError::Sample(_), _) => expect_sample(&sample).map_or_else(Failure::from, |()| error.into()),
         (RunError::Draft(_), Some(draft)) => no_draft(error, Path::new(&draft)),
         _ => error.into(),

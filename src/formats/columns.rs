@@ -10,6 +10,7 @@ use super::integra::scatter_of;
 use super::scattered::{Directions, Scattered};
 use super::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
 use super::{AngleUnit, FormatError, ReadOptions};
+use crate::number::shown;
 use crate::spectrum::WavelengthGrid;
 
 /// A line and the byte it begins at.
@@ -135,7 +136,7 @@ pub(super) fn read_astm(text: Text, options: &ReadOptions) -> Result<Goniometric
                         "check the unit and the order of the columns; give light from below as a file of its own"
                     }
                 };
-                let found = row[polar.min(angle_count - 2)].to_string();
+                let found = shown(row[polar.min(angle_count - 2)]);
                 return Err(text.error(line.0, expected, found, remedy));
             }
         }

@@ -30,18 +30,16 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
 }
 
 fn format_error(of: &CsvError) -> FormatError {
-    let place = Place::Line {
+    let place = Place::Row {
         line: of.line,
-        column: 1,
+        column: of.column.as_deref().map(Into::into),
     };
-    let column = of.column.as_ref().map(|name| format!("{name}, ")).unwrap_or_default();
-    let remedy = of.remedy.as_deref();
     FormatError::at(
         &of.name,
         place,
-        format!("{column}{}", of.expected),
+        of.expected.as_str(),
         of.found.as_str(),
-        remedy.unwrap_or("correct the value there, or leave the line out"),
+        of.remedy.as_str(),
     )
 }
 
@@ -65,7 +63,7 @@ impl Layout {
         let place = |name: &str| {
             let remedy = "columns are theta_i_deg,theta_v_deg or theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg, then \
                           wavelength_nm,beta or beta_r,beta_g,beta_b";
-            let missing = || table.header_error(&format!("a column {name}"), &found(), Some(remedy));
+            let missing = || table.header_error(&format!("a column {name}"), &found(), remedy);
             table.column(name).ok_or_else(missing)
         };
         let value_columns: &[&str] = [
@@ -78,11 +76,7 @@ impl Layout {
         .find(|set| set.iter().all(|name| table.column(name).is_some()))
         .ok_or_else(|| {
             let remedy = "or a column a wavelength, titled with it in nm, such as 450";
-            table.header_error(
-                "columns wavelength_nm,beta or beta_r,beta_g,beta_b",
-                &found(),
-                Some(remedy),
-            )
+            table.header_error("columns wavelength_nm,beta or beta_r,beta_g,beta_b", &found(), remedy)
         })?;
         let angles = angle_columns
             .iter()
@@ -109,8 +103,9 @@ impl Layout {
         };
         match (0..table.columns().len()).find(|column| !layout.holds(*column)) {
             Some(other) => {
-                let remedy = Some("remove it, or rename it");
-                Err(table.header_error("known columns, each once", &table.columns()[other], remedy))
+                let expected = "columns of angles, wavelengths, values and their standard errors alone";
+                let found = format!("'{}'", table.columns()[other]);
+                Err(table.header_error(expected, &found, "remove it, or rename it"))
             }
             None => Ok(layout),
         }
@@ -125,17 +120,25 @@ impl Layout {
     }
 }
 
+/// What a line says of its geometry.
+struct Point {
+    row: usize,
+    /// 0 where there are no wavelengths.
+    nm: f64,
+    values: Vec<f64>,
+    errors: Vec<f64>,
+}
+
 /// Readings in the order of the file.
 #[derive(Default)]
 struct Readings {
     by_geometry: HashMap<Vec<u64>, usize>,
     /// In radians.
     angles: Vec<Vec<f64>>,
-    /// First row of each.
-    rows: Vec<usize>,
-    values: Vec<Vec<f64>>,
-    errors: Vec<Vec<f64>>,
-    wavelengths: Vec<Vec<f64>>,
+    /// Of each geometry; one, but where lines are of wavelengths.
+    points: Vec<Vec<Point>>,
+    /// Lines that repeat another one.
+    repeated: usize,
     /// Whether the light went through.
     through: Option<bool>,
     highest: f64,
@@ -151,7 +154,8 @@ impl Readings {
             let expected = format!("an angle from {} to {} degrees", range.start(), range.end());
             let angle = table.number(row, *column, &expected)?;
             if !range.contains(&angle) {
-                return Err(table.cell_error(row, *column, &expected, None));
+                let remedy = "check the unit of the angle and its column";
+                return Err(table.cell_error(row, *column, &expected, remedy));
             }
             degrees.push(angle);
         }
@@ -160,7 +164,7 @@ impl Readings {
             let side = (degrees[2] != 90.0).then_some(degrees[2] > 90.0);
             if side.is_some_and(|side| *self.through.get_or_insert(side) != side) {
                 let found = format!("theta_o_deg {}", degrees[2]);
-                let remedy = Some("write transmission, theta_o_deg above 90, into a file of its own");
+                let remedy = "write transmission, theta_o_deg above 90, into a file of its own";
                 return Err(table.row_error(row, "either reflection or transmission in a file", &found, remedy));
             }
             if degrees[2] > 90.0 {
@@ -168,61 +172,94 @@ impl Readings {
             }
         }
         let key = degrees.iter().map(|a| (a + 0.0).to_bits()).collect();
+        let mut point = Point {
+            row,
+            nm: 0.0,
+            values: Vec::with_capacity(layout.beta.len()),
+            errors: Vec::with_capacity(layout.errors.len()),
+        };
         let readings = self.angles.len();
         let index = *self.by_geometry.entry(key).or_insert(readings);
         if index == readings {
             self.angles.push(degrees.into_iter().map(f64::to_radians).collect());
-            self.rows.push(row);
-            self.values.push(Vec::new());
-            self.errors.push(Vec::new());
-            self.wavelengths.push(Vec::new());
-        } else if layout.wavelength.is_none() {
-            return Err(twice(table, row, self.rows[index]));
+            self.points.push(Vec::new());
         }
         if let Some(column) = layout.wavelength {
-            let expected = "a wavelength in nm, ascending at each geometry";
+            let expected = "a wavelength in nm";
             let nm = table.number(row, column, expected)?;
-            let unit = plausibility::wavelength_unit(nm).filter(|_| self.wavelengths[index].is_empty());
-            let ascends = self.wavelengths[index].last().is_none_or(|last| nm > *last);
-            if !ascends || nm <= 0.0 || unit.is_some() {
-                return Err(table.cell_error(row, column, expected, unit));
+            let unit = plausibility::wavelength_unit(nm).filter(|_| self.points[index].is_empty());
+            if nm <= 0.0 || unit.is_some() {
+                let remedy = unit.unwrap_or("correct the wavelength, or leave the line out");
+                return Err(table.cell_error(row, column, expected, remedy));
             }
-            self.wavelengths[index].push(nm);
+            point.nm = nm;
         }
         for &column in &layout.beta {
             let expected = "a brightness factor, dimensionless";
             let value = table.number(row, column, expected)?;
             if value.abs() > LARGEST {
-                return Err(table.cell_error(row, column, expected, None));
+                let remedy = "correct the value, or leave the line out";
+                return Err(table.cell_error(row, column, expected, remedy));
             }
             self.highest = self.highest.max(value);
             self.negative += usize::from(value < 0.0);
             if value < self.lowest.0 {
                 self.lowest = (value, row);
             }
-            self.values[index].push(value);
+            point.values.push(value);
         }
         for &column in &layout.errors {
             let expected = "a standard error in the unit of beta, 0 or more";
             let error = table.number(row, column, expected)?;
             if !(0.0..=LARGEST).contains(&error) {
-                return Err(table.cell_error(row, column, expected, None));
+                let remedy = "give its size without a sign, or leave the columns of errors out";
+                return Err(table.cell_error(row, column, expected, remedy));
             }
-            self.errors[index].push(error);
+            point.errors.push(error);
+        }
+        self.points[index].push(point);
+        Ok(())
+    }
+
+    /// Puts the wavelengths of each geometry into ascending order; the same reading written twice is one.
+    fn sorted(&mut self, table: &CsvTable) -> Result<(), Box<CsvError>> {
+        for points in &mut self.points {
+            points.sort_by(|a, b| a.nm.total_cmp(&b.nm));
+            let all = points.len();
+            points.dedup_by(|b, a| a.nm == b.nm && a.values == b.values && a.errors == b.errors);
+            self.repeated += all - points.len();
+            if let Some(pair) = points.windows(2).find(|pair| pair[0].nm == pair[1].nm) {
+                return Err(twice(table, pair[1].row, pair[0].row));
+            }
         }
         Ok(())
+    }
+
+    /// Values, or errors, in the order of the geometries.
+    fn concat(&self, of: fn(&Point) -> &[f64]) -> Vec<f64> {
+        let points = self.points.iter().flatten();
+        points.flat_map(of).copied().collect()
     }
 
     /// What the user has to know of the values as a whole.
     fn notices(&self, table: &CsvTable) -> Result<Vec<String>, Box<CsvError>> {
         let mut notices = table.notices().to_vec();
+        if !table.renamed().is_empty() {
+            notices.push(format!("columns were read as these: {}", table.renamed().join(", ")));
+        }
+        notices.extend(plausibility::repeated(self.repeated));
         match plausibility::below_zero("beta", self.lowest.0, self.highest, self.negative) {
             Ok(notice) => notices.extend(notice),
             Err([expected, found, remedy]) => {
-                return Err(table.row_error(self.lowest.1, &expected, &found, Some(&remedy)));
+                return Err(table.row_error(self.lowest.1, &expected, &found, &remedy));
             }
         }
-        let values = || self.values.iter().flatten().copied();
+        let values = || {
+            self.points
+                .iter()
+                .flatten()
+                .flat_map(|point| point.values.iter().copied())
+        };
         notices.extend(plausibility::per_cent_for_fractions("beta", values()));
         let angles = self.angles.iter().flatten().map(|angle| angle.to_degrees());
         notices.extend(plausibility::radians_for_degrees(angles));
@@ -231,33 +268,40 @@ impl Readings {
 }
 
 fn twice(table: &CsvTable, row: usize, first: usize) -> Box<CsvError> {
-    let found = format!("the pair of line {} again", table.line(first));
+    let found = format!("the pair of line {} again, with another value", table.line(first));
     table.row_error(
         row,
         "every pair of directions once",
         &found,
-        Some("keep one of them, or their mean; azimuths 360 degrees apart are one direction"),
+        "keep one of them, or their mean; azimuths 360 degrees apart are one direction",
     )
 }
 
 fn parse(path: &str, bytes: &[u8]) -> Result<Goniometric, Box<CsvError>> {
-    let table = CsvTable::parse(path, bytes)?.long();
+    let table = CsvTable::parse(path, bytes)?.long()?;
     let layout = Layout::of(&table)?;
     let mut readings = Readings::default();
     for row in 0..table.len() {
         readings.take(&table, &layout, row)?;
     }
+    readings.sorted(&table)?;
     let warnings = readings.notices(&table)?;
-    let wavelengths = &readings.wavelengths;
+    let row_of = |geometry: usize| readings.points[geometry][0].row;
     let channels = match (layout.wavelength, layout.beta.len()) {
         (Some(_), _) => {
-            if let Some(other) = wavelengths.iter().position(|nm| *nm != wavelengths[0]) {
-                let expected = format!("the {} wavelengths of the first geometry", wavelengths[0].len());
-                let remedy = Some("measure every geometry at the same wavelengths, or leave the others out");
-                return Err(table.row_error(readings.rows[other], &expected, "others", remedy));
+            let wavelengths = |points: &[Point]| -> Vec<f64> { points.iter().map(|point| point.nm).collect() };
+            let nm = wavelengths(&readings.points[0]);
+            let is_other = |points: &Vec<Point>| !points.iter().map(|point| point.nm).eq(nm.iter().copied());
+            if let Some(other) = readings.points.iter().position(is_other) {
+                let expected = format!("the {} wavelengths of the first geometry", nm.len());
+                let found = format!("{} others", readings.points[other].len());
+                let remedy = "measure every geometry at the same wavelengths, or leave the others out";
+                return Err(table.row_error(row_of(other), &expected, &found, remedy));
             }
-            let grid = WavelengthGrid::new(wavelengths[0].clone());
-            Channels::Wavelengths(grid.map_err(|e| table.header_error("wavelengths", &e.to_string(), None))?)
+            let remedy = "give wavelengths above 0 nm";
+            Channels::Wavelengths(
+                WavelengthGrid::new(nm).map_err(|e| table.header_error("wavelengths", &e.to_string(), remedy))?,
+            )
         }
         (None, 1) => Channels::Monochrome,
         (None, _) if table.column("beta_r").is_some() => Channels::Rgb,
@@ -267,10 +311,11 @@ fn parse(path: &str, bytes: &[u8]) -> Result<Goniometric, Box<CsvError>> {
         layout.directions,
         &readings.angles,
         channels.count(),
-        readings.values.concat(),
+        readings.concat(|point| &point.values),
     )
-    .map_err(|pair| twice(&table, readings.rows[pair.1], readings.rows[pair.0]))?;
-    let scattered = scattered.with_errors((!layout.errors.is_empty()).then(|| readings.errors.concat()));
+    .map_err(|pair| twice(&table, row_of(pair.1), row_of(pair.0)))?;
+    let errors = (!layout.errors.is_empty()).then(|| readings.concat(|point| &point.errors));
+    let scattered = scattered.with_errors(errors);
     let provenance = Provenance {
         comments: table.comments().to_vec(),
         ..Provenance::default()

@@ -5,7 +5,7 @@ use super::FormatError;
 use super::text::quoted;
 use super::{merl, utia};
 use crate::text::encoding::beginning;
-use crate::text::is_titled;
+use crate::text::{Heading, heading};
 
 /// A file format. It is told by what a file holds, never by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -189,7 +189,7 @@ fn of_text(text: &str) -> Option<Format> {
             "VERSION" => ssdd = Some(Format::Ssdd),
             "VARS" => return Some(Format::Astm),
             _ if line.starts_with('[') => return Some(Format::Wif),
-            _ if is_titled(line, "theta_i_deg") => return Some(Format::Csv),
+            _ if matches!(heading(line), Some(Heading::Plane | Heading::Sphere)) => return Some(Format::Csv),
             _ => {}
         }
         for word in line.split_whitespace() {

@@ -15,12 +15,14 @@ pub struct FormatError {
 }
 
 /// A place in a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Place {
     /// The file as a whole.
     File,
     /// Of a text file; both from 1, the column in characters.
     Line { line: usize, column: usize },
+    /// A row of a table: its line, from 1, and the title of its column, where one cell is meant.
+    Row { line: usize, column: Option<Box<str>> },
     /// Of a binary file, from 0.
     Byte(u64),
 }
@@ -30,6 +32,11 @@ impl fmt::Display for Place {
         match self {
             Self::File => Ok(()),
             Self::Line { line, column } => write!(f, ", line {line}, column {column}"),
+            Self::Row { line, column: None } => write!(f, ", line {line}"),
+            Self::Row {
+                line,
+                column: Some(column),
+            } => write!(f, ", line {line}, column {column}"),
             Self::Byte(offset) => write!(f, ", byte {offset}"),
         }
     }

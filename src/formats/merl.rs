@@ -15,6 +15,7 @@ use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity,
 use super::grid::{Fold, Grid, Parameters};
 use super::source::{is_implausible, swapped};
 use crate::geometry::Vec3;
+use crate::number::shown;
 
 const THETA_H: usize = 90;
 const THETA_D: usize = 90;
@@ -69,7 +70,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         return Err(swapped(path, HEADER));
     }
     if let Some(index) = all().find_first(|&index| !stored(index).is_finite()) {
-        let found = stored(index).to_string();
+        let found = shown(stored(index));
         let at = HEADER + 8 * index;
         return Err(FormatError::byte(path, at, "a finite value", found, remedy::DAMAGED));
     }
@@ -85,6 +86,27 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         let remedy = "check the sign of the data: such a file holds nothing";
         return Err(FormatError::byte(path, HEADER, expected, "negative ones alone", remedy));
     }
+    // Of nodes with light and viewer above the surface, instruments miss some near the horizon.
+    let is_above = |node: &usize| {
+        let (omega_in, omega_out) = directions(*node);
+        omega_in.z > 0.1 && omega_out.z > 0.1
+    };
+    let above = (0..NODES).step_by(97).filter(is_above);
+    let (holes, nodes) = above.fold((0usize, 0usize), |(holes, nodes), node| {
+        (holes + usize::from(is_hole(node)), nodes + 1)
+    });
+    if 10 * holes > 9 * nodes {
+        let expected = "values of 0 or more, a negative one where there are no data";
+        let found = format!("negative ones at {holes} of {nodes} nodes well above the horizon");
+        let remedy = "check the sign of the data: such a file holds next to nothing";
+        return Err(FormatError::byte(path, HEADER, expected, found, remedy));
+    }
+    let mut warnings = vec!["MERL files state neither their RGB primaries nor any provenance".to_owned()];
+    if 4 * holes > nodes {
+        warnings.push(format!(
+            "values are negative, which stands for no data, at {holes} of {nodes} nodes well above the horizon"
+        ));
+    }
     let grid = grid(values);
     Ok(Goniometric {
         format: Format::Merl,
@@ -96,7 +118,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
             channels: Channels::Rgb,
             table: Table::Grid(grid),
         }],
-        warnings: vec!["MERL files state neither their RGB primaries nor any provenance".into()],
+        warnings,
     })
 }
 

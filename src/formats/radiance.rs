@@ -11,6 +11,7 @@ use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity,
 use super::klems::{KlemsBasis, KlemsMatrix};
 use super::tensor_tree::{Node, TensorTree};
 use super::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
+use crate::number::shown;
 
 /// A basis or a nesting beyond these is none that can be meant.
 const LATITUDES: usize = 46;
@@ -380,7 +381,7 @@ fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<Klem
         if limits.last().is_none_or(|last| (last - lower).abs() > SAME_DEG) {
             let remedy = "order the blocks from the normal outwards, without gaps, in degrees";
             let expected = "a <LowerTheta> where the last block ended";
-            return Err(xml.error(bounds, expected, lower.to_string(), remedy));
+            return Err(xml.error(bounds, expected, shown(lower), remedy));
         }
         limits.push(upper);
         patches.push(xml.number(ring, "nPhis")?);

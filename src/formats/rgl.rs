@@ -10,6 +10,7 @@ use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity,
 use super::source::{is_implausible, swapped};
 use super::text::quoted;
 use super::warped::{Arrays, Warped};
+use crate::number::shown;
 use crate::spectrum::WavelengthGrid;
 
 const MAGIC: &[u8] = b"tensor_file\0";
@@ -181,8 +182,9 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         .map(|field| field.offset + field.size())
         .max()
         .unwrap_or(0);
-    // Arrays are aligned to 8 bytes.
-    if bytes.len() >= end + 8 {
+    // Arrays are aligned to 8 bytes, with zeros between them.
+    let behind = bytes.get(end..).unwrap_or_default();
+    if behind.len() >= 8 || behind.iter().any(|byte| *byte != 0) {
         warnings.push(format!(
             "{} bytes behind the last array are not used",
             bytes.len() - end
@@ -372,7 +374,10 @@ impl File<'_> {
                     self.path,
                     at,
                     format!("a value of `{name}`, 0 or more"),
-                    value.to_string(),
+                    match value.is_finite() {
+                        true => shown(f64::from(value)),
+                        false => value.to_string(),
+                    },
                     remedy::DAMAGED,
                 ));
             }

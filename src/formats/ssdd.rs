@@ -15,6 +15,7 @@ use super::integra::radians;
 use super::source::{is_implausible, swapped};
 use super::specular::SpecularTable;
 use super::text::{FINITE, Readings, finite, quoted, remedy_for};
+use crate::number::shown;
 use crate::spectrum::WavelengthGrid;
 
 /// The lines of a file that may hold binary data between them.
@@ -53,9 +54,9 @@ impl<'a> Lines<'a> {
     }
 
     fn error(&self, expected: impl Into<String>, found: impl Into<String>, remedy: impl Into<String>) -> FormatError {
-        let place = Place::Line {
+        let place = Place::Row {
             line: self.number.max(1),
-            column: 1,
+            column: None,
         };
         FormatError::at(self.path, place, expected, found, remedy)
     }
@@ -266,7 +267,7 @@ fn component(
         if let Some(beyond) = list.iter().find(|&&angle| angle > highest) {
             let expected = format!("angles of at most {highest} degrees in PARAM{index}_LIST");
             let remedy = "check the PARAM_TYPE and that the angles are in degrees";
-            return Err(lines.error(expected, beyond.to_string(), remedy));
+            return Err(lines.error(expected, shown(*beyond), remedy));
         }
     }
     let nodes = lists
@@ -427,7 +428,7 @@ fn values(
             match readings.judged() {
                 Ok(warning) => warnings.extend(warning),
                 Err((line, [expected, found, remedy])) => {
-                    let place = Place::Line { line, column: 1 };
+                    let place = Place::Row { line, column: None };
                     return Err(FormatError::at(lines.path, place, expected, found, remedy));
                 }
             }

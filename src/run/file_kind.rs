@@ -1,5 +1,6 @@
 use crate::artefact;
 use crate::formats::{self, Format};
+use crate::text::{Heading, heading};
 use std::fmt;
 use std::fs::File;
 use std::io::Read;
@@ -44,11 +45,13 @@ impl FileKind {
         }
         let mut bytes = Vec::new();
         File::open(path).ok()?.take(MOST_TEXT).read_to_end(&mut bytes).ok()?;
-        let of_text = std::str::from_utf8(&bytes).ok().and_then(of_text);
-        of_text.or_else(|| match formats::format_of(path).ok()? {
+        let text = std::str::from_utf8(&bytes).ok();
+        text.and_then(of_text).or_else(|| match formats::format_of(path) {
             // Square brackets alone, as in a study that cannot be read.
-            Format::Wif => None,
-            format => Some(Self::Goniometric(format)),
+            Ok(Format::Wif) => None,
+            Ok(Format::Csv) => Some(Self::Sample),
+            Ok(format) => Some(Self::Goniometric(format)),
+            Err(_) => text.and_then(of_titles),
         })
     }
 
@@ -133,20 +136,17 @@ fn of_text(text: &str) -> Option<FileKind> {
     if text.lines().any(|line| line.trim().eq_ignore_ascii_case("[wif]")) {
         return Some(FileKind::Draft);
     }
-    if let Some(kind) = toml::from_str(text).ok().and_then(|table| of_toml(&table)) {
-        return Some(kind);
-    }
-    let header = text
-        .lines()
-        .map(|line| line.trim().trim_matches('"'))
-        .find(|line| !line.is_empty() && !line.starts_with('#') && !line.starts_with("sep="))?;
-    if header.starts_with("theta_i_deg") {
-        Some(FileKind::Sample)
-    } else if header.starts_with("wavelength") {
-        Some(FileKind::Spectra)
-    } else {
-        None
-    }
+    toml::from_str(text).ok().and_then(|table| of_toml(&table))
+}
+
+/// By the titles of columns.
+fn of_titles(text: &str) -> Option<FileKind> {
+    /// Lines that a preamble before them has at most.
+    const LINES: usize = 200;
+    text.lines().take(LINES).find_map(heading).map(|heading| match heading {
+        Heading::Plane | Heading::Sphere => FileKind::Sample,
+        Heading::Spectra => FileKind::Spectra,
+    })
 }
 
 /// A study has sections of a study, a description the keys of one.

@@ -10,7 +10,7 @@ use crate::output::OutputError;
 use crate::report::{InputDigest, ReportError};
 use crate::rig::{PixelSamples, Rig, RigError};
 use crate::run::ShardError;
-use crate::sample::{Sample, SampleError};
+use crate::sample::{Chosen, Sample, SampleError};
 use crate::shading::{Distribution, FibreGloss, ShadingError, Specular};
 use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, plausibility, read_spectrum, tables};
 use crate::study::{
@@ -160,15 +160,20 @@ pub struct Plan {
 
 impl Plan {
     pub fn new(study: Study) -> Result<Self, RunError> {
-        let origin = study.origin.clone();
-        Self::resolve(study).map_err(|error| error.at(&origin))
+        Self::with_sample(study, Chosen::default())
     }
 
-    fn resolve(study: Study) -> Result<Self, RunError> {
+    /// [`Plan::new`] with a component of the study's sample that is chosen.
+    pub fn with_sample(study: Study, chosen: Chosen) -> Result<Self, RunError> {
+        let origin = study.origin.clone();
+        Self::resolve(study, chosen).map_err(|error| error.at(&origin))
+    }
+
+    fn resolve(study: Study, chosen: Chosen) -> Result<Self, RunError> {
         study.validate()?;
         let grid = WavelengthGrid::new(study.spectrum.wavelengths())?;
         let spectra = MediumSpectra::read("medium", &study.medium, &grid)?;
-        let sample = Sample::load(&study.measured.sample)?;
+        let sample = Sample::load_chosen(&study.measured.sample, chosen)?;
         let mut inputs = spectra.digests(&study.medium, &grid)?;
         let weft = weft(&study, &grid, &mut inputs)?;
         inputs.push(InputDigest {

@@ -5,7 +5,8 @@ use serde::Serialize;
 use super::SampleError;
 use super::columns::{Columns, Values};
 use super::goniometric::GoniometricData;
-use super::nominal::{AnglesRead, nominal};
+use super::nominal::{AnglesRead, as_read, nominal};
+use crate::number::shown;
 use crate::spectrum::plausibility;
 use crate::spectrum::{CsvError, CsvTable, WavelengthGrid};
 
@@ -100,7 +101,8 @@ pub(super) fn parse(path: &str, bytes: &[u8], relative_se: Option<f64>) -> Resul
     let columns = Columns::of(&table)?;
     let relative_se = relative_se.unwrap_or(0.0);
     let mut notices = Vec::new();
-    if !columns.renamed.is_empty() {
+    notices.extend(table.notices().iter().cloned());
+    if !table.renamed().is_empty() {
         notices.push(renamed(&columns, &table));
     }
     let mut lines = Vec::with_capacity(table.len());
@@ -117,13 +119,14 @@ pub(super) fn parse(path: &str, bytes: &[u8], relative_se: Option<f64>) -> Resul
     }
     if let Some(lowest) = negative.iter().copied().reduce(f64::min) {
         notices.push(format!(
-            "{} values of the sample are below 0, the lowest {lowest}: taken as they are, as noise about 0",
-            negative.len()
+            "{} values of the sample are below 0, the lowest {}: taken as they are, as noise about 0",
+            negative.len(),
+            shown(lowest)
         ));
     }
     let has_se = columns.has_se();
     let (axis, rows) = match &columns.values {
-        Values::Rgb { .. } => (Axis::Rgb, each_once(&table, lines)?),
+        Values::Rgb { .. } => (Axis::Rgb, each_once(&table, lines, &mut notices)?),
         Values::Wide { beta, .. } => wide(&table, beta, lines, &mut notices)?,
         Values::Long { wavelength, .. } => spectral(&table, *wavelength, lines, &mut notices)?,
     };
@@ -131,10 +134,13 @@ pub(super) fn parse(path: &str, bytes: &[u8], relative_se: Option<f64>) -> Resul
         "beta",
         rows.iter().flat_map(|row| row.beta.iter().copied()),
     ));
-    notices.extend(plausibility::radians_for_degrees(
-        rows.iter().flat_map(|row| [row.theta_i_deg, row.theta_v_deg]),
-    ));
-    let (rows, angles) = nominal(rows);
+    let radians = plausibility::radians_for_degrees(rows.iter().flat_map(|row| [row.theta_i_deg, row.theta_v_deg]));
+    // 1.05 is no reading at 1 degree where it is one at 60.
+    let (rows, angles) = match radians.is_some() {
+        true => as_read(rows),
+        false => nominal(rows),
+    };
+    notices.extend(radians);
     Ok(Data::Curves(Curves {
         axis,
         has_se,
@@ -153,7 +159,7 @@ fn renamed(columns: &Columns, table: &CsvTable) -> String {
     };
     format!(
         "columns of the sample were read as these: {}{sign}",
-        columns.renamed.join(", ")
+        table.renamed().join(", ")
     )
 }
 
@@ -165,7 +171,7 @@ type Line = Row;
 
 impl Line {
     fn read(table: &CsvTable, columns: &Columns, row: usize, relative_se: f64) -> Result<Self, Box<CsvError>> {
-        let checked = |column: usize, expected: &str, remedy: Option<&str>, allowed: &dyn Fn(f64) -> bool| {
+        let checked = |column: usize, expected: &str, remedy: &str, allowed: &dyn Fn(f64) -> bool| {
             let value = table.number(row, column, expected)?;
             if allowed(value) {
                 Ok(value)
@@ -176,13 +182,13 @@ impl Line {
         let theta_i_deg = checked(
             columns.theta_i,
             "an incidence in degrees from the normal, 0 or more and below 90",
-            Some("the light's side is given by the sign of theta_v_deg"),
+            "check the unit and the column; the light's side is given by the sign of theta_v_deg",
             &|v| (BELOW_NORMAL_DEG..90.0).contains(&v),
         )?;
         let theta_v_deg = checked(
             columns.theta_v,
             "a signed view angle in degrees, above -90 and below 90",
-            Some("reflection only: the view lies above the cloth"),
+            "check the unit and the column; readings are of reflection alone, with the view above the cloth",
             &|v| v.abs() < 90.0,
         )?;
         let (beta, se) = columns.places();
@@ -195,7 +201,14 @@ impl Line {
         } else {
             let expected = "a standard error in the unit of beta, dimensionless, 0 or more";
             se.into_iter()
-                .map(|column| checked(column, expected, None, &|v| v >= 0.0))
+                .map(|column| {
+                    checked(
+                        column,
+                        expected,
+                        "give its size without a sign, or leave the column out",
+                        &|v| v >= 0.0,
+                    )
+                })
                 .collect::<Result<Vec<_>, _>>()?
         };
         Ok(Self {
@@ -226,10 +239,8 @@ impl Line {
                     row,
                     columns.places().0[k],
                     BETA,
-                    Some(
-                        "noise about 0 is read to 2 % of the largest value or three standard errors; a colour outside the RGB \
-                         space has to be given as spectral data",
-                    ),
+                    "noise about 0 is read to 2 % of the largest value or three standard errors; a colour outside the RGB \
+                     space has to be given as spectral data",
                 )),
             })
             .collect()
@@ -244,22 +255,37 @@ fn key(row: &Row) -> [u64; 2] {
 }
 
 fn geometry_text(row: &Row) -> String {
-    format!("theta_i_deg {}, theta_v_deg {}", row.theta_i_deg, row.theta_v_deg)
+    format!(
+        "theta_i_deg {}, theta_v_deg {}",
+        shown(row.theta_i_deg),
+        shown(row.theta_v_deg)
+    )
 }
 
-fn each_once(table: &CsvTable, entries: Vec<Row>) -> Result<Vec<Row>, Box<CsvError>> {
-    let mut seen = HashMap::new();
-    for (index, entry) in entries.iter().enumerate() {
-        if let Some(first) = seen.insert(key(entry), index) {
-            return Err(twice(table, index, first, &geometry_text(entry)));
+/// Rows of different geometries; the same reading written twice is one, and `notices` tell how many.
+fn each_once(table: &CsvTable, entries: Vec<Row>, notices: &mut Vec<String>) -> Result<Vec<Row>, Box<CsvError>> {
+    let mut seen: HashMap<[u64; 2], usize> = HashMap::new();
+    let mut repeated = 0;
+    let mut first_lines = Vec::new();
+    let mut rows: Vec<Row> = Vec::with_capacity(entries.len());
+    for (index, entry) in entries.into_iter().enumerate() {
+        match seen.get(&key(&entry)) {
+            Some(&first) if rows[first] == entry => repeated += 1,
+            Some(&first) => return Err(twice(table, index, first_lines[first], &geometry_text(&entry))),
+            None => {
+                seen.insert(key(&entry), rows.len());
+                rows.push(entry);
+                first_lines.push(index);
+            }
         }
     }
-    Ok(entries)
+    notices.extend(plausibility::repeated(repeated));
+    Ok(rows)
 }
 
 fn twice(table: &CsvTable, row: usize, first: usize, what: &str) -> Box<CsvError> {
-    let found = format!("{what} again, first on line {}", table.line(first));
-    table.row_error(row, "every geometry once", &found, Some("keep one, or their mean"))
+    let found = format!("{what} again with another value, first on line {}", table.line(first));
+    table.row_error(row, "every geometry once", &found, "keep one, or their mean")
 }
 
 /// Common to the observers' and the illuminants' tables.
@@ -286,7 +312,8 @@ fn wide(
     if places.len() < 2 {
         let found = format!("{} nm to {} nm", columns[0].0, columns[columns.len() - 1].0);
         let expected = "two or more columns named by wavelengths from 360 to 780 nm";
-        return Err(table.header_error(expected, &found, None).into());
+        let remedy = "measure in the visible, or name the columns by wavelengths in nm";
+        return Err(table.header_error(expected, &found, remedy).into());
     }
     beyond_colour((columns.len() - places.len()) * lines.len(), notices);
     let nm = places.iter().map(|&k| columns[k].0).collect();
@@ -299,7 +326,8 @@ fn wide(
             ..line
         })
         .collect();
-    Ok((Axis::Wavelengths(WavelengthGrid::new(nm)?), each_once(table, rows)?))
+    let rows = each_once(table, rows, notices)?;
+    Ok((Axis::Wavelengths(WavelengthGrid::new(nm)?), rows))
 }
 
 /// One geometry of a spectral table while its lines are gathered.
@@ -325,7 +353,7 @@ fn spectral(
         let nm = table.number(row, column, expected)?;
         if !NM.contains(&nm) {
             let remedy = plausibility::wavelength_unit(nm).unwrap_or("leave the row out");
-            return Err(table.cell_error(row, column, expected, Some(remedy)).into());
+            return Err(table.cell_error(row, column, expected, remedy).into());
         }
         if !COLOUR_NM.contains(&nm) {
             beyond += 1;
@@ -342,16 +370,25 @@ fn spectral(
     }
     if geometries.is_empty() {
         let expected = "wavelengths in nm within 360..780, where the CIE tables are";
-        return Err(table.row_error(0, expected, "none", None).into());
+        return Err(table
+            .row_error(0, expected, "none", "measure in the visible, or give wavelengths in nm")
+            .into());
     }
     beyond_colour(beyond, notices);
+    let mut repeated = 0;
     for geometry in &mut geometries {
         geometry.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let all = geometry.points.len();
+        geometry
+            .points
+            .dedup_by(|b, a| a.0 == b.0 && entries[a.1] == entries[b.1]);
+        repeated += all - geometry.points.len();
         if let Some(pair) = geometry.points.windows(2).find(|pair| pair[0].0 == pair[1].0) {
             let what = format!("{}, {} nm", geometry_text(&entries[pair[1].1]), pair[1].0);
             return Err(twice(table, pair[1].1, pair[0].1, &what).into());
         }
     }
+    notices.extend(plausibility::repeated(repeated));
     let nm: Vec<f64> = geometries[0].points.iter().map(|point| point.0).collect();
     if let Some(other) = geometries
         .iter()
@@ -365,7 +402,7 @@ fn spectral(
             geometry_text(&entries[other.first_row])
         );
         let remedy = "measure every geometry at the same wavelengths, or resample first";
-        return Err(table.row_error(other.first_row, &expected, &text, Some(remedy)).into());
+        return Err(table.row_error(other.first_row, &expected, &text, remedy).into());
     }
     let rows = geometries
         .iter()
@@ -390,13 +427,19 @@ pub(super) fn ratios(path: &str, bytes: &[u8]) -> Result<PublishedRatios, Box<Cs
         return Err(table.header_error(
             &format!("the columns {}", RATIO_COLUMNS.join(",")),
             &table.columns().join(","),
-            None,
+            "name the columns so, in this order",
         ));
     }
     let range = |name: &str| -> Result<RatioRange, Box<CsvError>> {
         let row = (0..table.len())
             .find(|&row| table.text(row, 0) == name)
-            .ok_or_else(|| table.header_error(&format!("a row '{name}'"), "none", None))?;
+            .ok_or_else(|| {
+                table.header_error(
+                    &format!("a row '{name}'"),
+                    "none",
+                    "add the row: real and model are both needed",
+                )
+            })?;
         let number = |column| table.number(row, column, "a ratio of linear RGB components");
         Ok(RatioRange {
             blue_over_red: [number(1)?, number(2)?],

@@ -1,5 +1,5 @@
-use super::SampleError;
 use super::data::{Axis, Row};
+use super::{Chosen, SampleError};
 use crate::formats::{Channels, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
 use crate::spectrum::WavelengthGrid;
 use crate::spectrum::plausibility;
@@ -7,10 +7,12 @@ use crate::spectrum::plausibility;
 /// Common to the observers' and the illuminants' tables.
 const COLOUR_NM: std::ops::RangeInclusive<f64> = 360.0..=780.0;
 
-/// The reflection of a goniometric file in the plane of incidence along x, light on the side of −x.
+/// A component of a goniometric file, reflection unless another is chosen, in the plane of incidence along x, light on the side of −x.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct GoniometricData {
     component: Component,
+    /// What the component is in the file.
+    scatter: Scatter,
     axis: Axis,
     /// Channels that the axis takes.
     channels: std::ops::Range<usize>,
@@ -23,35 +25,45 @@ pub(super) struct GoniometricData {
 }
 
 impl GoniometricData {
-    pub(super) fn new(path: &str, data: Goniometric, relative_se: f64) -> Result<Self, SampleError> {
-        let refuse = |expected: &'static str, found: String| SampleError::NotComparable {
+    pub(super) fn new(path: &str, data: Goniometric, relative_se: f64, chosen: Chosen) -> Result<Self, SampleError> {
+        let refuse = |expected: &str, found: &str, remedy: &str| SampleError::NotComparable {
             path: path.into(),
-            expected,
-            found,
+            expected: expected.into(),
+            found: found.into(),
+            remedy: remedy.into(),
         };
-        let Some(component) = data.component(Scatter::Reflection, Side::Front) else {
+        let (scatter, side) = chosen.or_default();
+        let Some(component) = data.component(scatter, side) else {
             let there: Vec<String> = data.components.iter().map(Component::words).collect();
-            let remedy = "`specval convert FILE OUT --side back` writes what comes from the back as a file of its own";
-            let found = format!("{}; {remedy}", there.join(", "));
-            return Err(refuse("reflection of light from the front", found));
+            return Err(refuse(&chosen.words(), &there.join(", "), Chosen::REMEDY));
         };
         let others = data.components.iter().filter(|other| *other != component);
         let others: Vec<String> = others.map(Component::words).collect();
         let mut notices = data.warnings.clone();
         if !others.is_empty() {
             notices.push(format!(
-                "{path}: the sample is the {}; not compared: {}",
+                "{path}: the sample is the {}; the file also has, and --scatter and --side choose: {}",
                 component.words(),
                 others.join(", ")
             ));
         }
         if matches!(component.quantity, Quantity::Unscaled | Quantity::Fraction) {
-            return Err(refuse("values of a stated scale", "others".into()));
+            return Err(refuse(
+                "values of a stated scale",
+                "values whose scale the file does not state",
+                "export the file with absolute values",
+            ));
         }
         let (axis, channels) = match &component.channels {
             Channels::Rgb => (Axis::Rgb, 0..3),
             Channels::Xyz => (Axis::Xyz, 0..3),
-            Channels::Monochrome => return Err(refuse("spectra, XYZ or RGB", "one channel".into())),
+            Channels::Monochrome => {
+                return Err(refuse(
+                    "spectra, XYZ or RGB",
+                    "one channel",
+                    "one channel has no colour; `specval inspect` shows it, `specval convert` writes it in another format",
+                ));
+            }
             Channels::Wavelengths(grid) => {
                 let nm = grid.nm();
                 let first = nm.partition_point(|w| w < COLOUR_NM.start());
@@ -63,7 +75,13 @@ impl GoniometricData {
             }
         };
         let mut this = Self {
-            component: component.clone(),
+            // Both directions as tables know them: light from above that is seen from above.
+            component: Component {
+                scatter: Scatter::Reflection,
+                side: Side::Front,
+                ..component.clone()
+            },
+            scatter,
             axis,
             channels,
             relative_se,
@@ -97,6 +115,10 @@ impl GoniometricData {
         let angles = this.rows.iter().flat_map(|row| [row.theta_i_deg, row.theta_v_deg]);
         this.notices.extend(plausibility::radians_for_degrees(angles));
         Ok(this)
+    }
+
+    pub(super) fn scatter(&self) -> Scatter {
+        self.scatter
     }
 
     /// Whether readings need not form a grid.

@@ -5,11 +5,11 @@ use sha2::{Digest, Sha256};
 
 use super::data::{self, Data};
 use super::goniometric::GoniometricData;
-use super::{Description, PublishedRatios, Sample, SampleError, Uncertainty};
+use super::{Chosen, Description, PublishedRatios, Sample, SampleError, Uncertainty};
 use crate::formats::{self, Format, Goniometric, ReadOptions};
 use crate::spectrum::UnknownName;
 use crate::text::encoding::beginning;
-use crate::text::is_titled;
+use crate::text::{Heading, heading};
 
 struct BuiltIn {
     name: &'static str,
@@ -47,10 +47,15 @@ impl Sample {
     /// RGB, `theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b` and perhaps `beta_r_se,beta_g_se,beta_b_se`; angles in
     /// degrees, theta_v_deg negative on the light's side of the normal; β dimensionless, 1 for a perfect diffuser.
     pub fn load(name_or_path: &str) -> Result<Self, SampleError> {
+        Self::load_chosen(name_or_path, Chosen::default())
+    }
+
+    /// [`Sample::load`] of a component of the file; tables of readings in the plane of incidence have reflection from the front alone.
+    pub fn load_chosen(name_or_path: &str, chosen: Chosen) -> Result<Self, SampleError> {
         if let Some(known) = BUILT_IN.iter().find(|sample| sample.name == name_or_path) {
             let toml = format!("measurements/{}/sample.toml", known.name);
             let csv = format!("measurements/{}/data.csv", known.name);
-            return Self::new(describe(&toml, known.description)?, &csv, known.data.as_bytes());
+            return Self::new(describe(&toml, known.description)?, &csv, known.data.as_bytes(), chosen);
         }
         let path = Path::new(name_or_path);
         if path.is_dir() {
@@ -71,7 +76,7 @@ impl Sample {
                 message: format!("expected text in UTF-8: {e}"),
             })?;
             let description = describe(&toml.display().to_string(), &text)?;
-            Self::new(description, &csv.display().to_string(), &read(&csv)?)
+            Self::new(description, &csv.display().to_string(), &read(&csv)?, chosen)
         } else if path.exists() {
             let stem = path.file_stem().unwrap_or(path.as_os_str());
             let description = Description {
@@ -88,14 +93,14 @@ impl Sample {
                     let bytes = read(path)?;
                     if is_over_the_sphere(&bytes) {
                         let data = formats::parse(name_or_path, &bytes, &ReadOptions::default())?;
-                        return Self::goniometric(description, data, &bytes);
+                        return Self::goniometric(description, data, &bytes, chosen);
                     }
-                    Self::new(description, name_or_path, &bytes)
+                    Self::new(description, name_or_path, &bytes, chosen)
                 }
                 // Read for its values first: that refuses a file too large for its format.
                 Ok(_) => {
                     let data = formats::read(path, &ReadOptions::default())?;
-                    Self::goniometric(description, data, &read(path)?)
+                    Self::goniometric(description, data, &read(path)?, chosen)
                 }
             }
         } else {
@@ -117,7 +122,15 @@ impl Sample {
         }
     }
 
-    fn new(description: Description, path: &str, bytes: &[u8]) -> Result<Self, SampleError> {
+    fn new(description: Description, path: &str, bytes: &[u8], chosen: Chosen) -> Result<Self, SampleError> {
+        if chosen.or_default() != Chosen::default().or_default() {
+            return Err(SampleError::NotComparable {
+                path: path.into(),
+                expected: chosen.words(),
+                found: Chosen::default().words(),
+                remedy: Chosen::REMEDY.into(),
+            });
+        }
         let data = data::parse(path, bytes, description.relative_standard_uncertainty)?;
         Ok(Self {
             description,
@@ -126,9 +139,14 @@ impl Sample {
         })
     }
 
-    fn goniometric(description: Description, data: Goniometric, bytes: &[u8]) -> Result<Self, SampleError> {
+    fn goniometric(
+        description: Description,
+        data: Goniometric,
+        bytes: &[u8],
+        chosen: Chosen,
+    ) -> Result<Self, SampleError> {
         let relative_se = description.relative_standard_uncertainty.unwrap_or(0.0);
-        let data = GoniometricData::new(&description.source, data, relative_se)?;
+        let data = GoniometricData::new(&description.source, data, relative_se, chosen)?;
         Ok(Self {
             description,
             data: Data::Goniometric(Box::new(data)),
@@ -141,10 +159,8 @@ impl Sample {
 fn is_over_the_sphere(bytes: &[u8]) -> bool {
     const HEAD: usize = 64 << 10;
     let text = beginning(&bytes[..bytes.len().min(HEAD)]);
-    let is_comment = |line: &str| line.trim_start_matches(['"', ' ']).starts_with('#') || line.trim().is_empty();
-    let mut lines = text.split(['\n', '\r']).filter(|line| !is_comment(line));
-    // A line `sep=;` may stand before the header.
-    lines.by_ref().take(2).any(|line| is_titled(line, "phi_o_deg"))
+    // Lines of a preamble, and one `sep=;`, may stand before the header.
+    text.split(['\n', '\r']).find_map(heading) == Some(Heading::Sphere)
 }
 
 fn digest(bytes: &[u8]) -> String {

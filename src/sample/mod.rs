@@ -16,7 +16,7 @@ pub use reading::Reading;
 use serde::{Deserialize, Serialize};
 
 use crate::colour::ColourError;
-use crate::formats::FormatError;
+use crate::formats::{FormatError, Scatter, Side};
 use crate::spectrum::{CsvError, SpectrumError, UnknownName, plausibility};
 use data::{Axis, Data, Row};
 
@@ -59,6 +59,35 @@ pub enum Uncertainty {
     /// Neither is given: every standard error is 0, so a comparison knows only the Monte Carlo error. A report has to
     /// say so.
     NotStated,
+}
+
+/// Which component of a goniometric file is the sample; without it reflection, and light from the front.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Chosen {
+    pub scatter: Option<Scatter>,
+    pub side: Option<Side>,
+}
+
+impl Chosen {
+    const REMEDY: &str = "choose one that the file has: --scatter and --side of `report`, `check --sample` and `colour` say \
+                          which, or `specval convert FILE OUT` with them writes it as a file of its own";
+
+    fn or_default(self) -> (Scatter, Side) {
+        (
+            self.scatter.unwrap_or(Scatter::Reflection),
+            self.side.unwrap_or(Side::Front),
+        )
+    }
+
+    fn words(self) -> String {
+        let (scatter, side) = self.or_default();
+        let scatter = match scatter {
+            Scatter::Reflection => "reflection",
+            Scatter::Transmission => "transmission",
+        };
+        let side = if side == Side::Front { "front" } else { "back" };
+        format!("{scatter} of light from the {side}")
+    }
 }
 
 /// A measured sample, checked as a whole when loaded.
@@ -123,6 +152,11 @@ impl Sample {
             Data::Goniometric(data) => data.notices(),
             Data::Ratios(_) => &[],
         }
+    }
+
+    /// Whether it is light that went through, which has no reciprocity of its own: light and viewer exchanged are on the other sides.
+    pub fn is_transmission(&self) -> bool {
+        matches!(&self.data, Data::Goniometric(data) if data.scatter() == Scatter::Transmission)
     }
 
     /// Whether values or angles look like those of another unit, of which [`Sample::notices`] tell.
@@ -196,7 +230,7 @@ pub struct RawReading<'a> {
 pub enum SampleError {
     #[error("{0}; nor is there a file or folder of that name")]
     Unknown(UnknownName),
-    #[error("{path}: cannot be read: {reason}")]
+    #[error("{path}: cannot be read: {reason}; check its name, its size and the right to read it")]
     Read { path: String, reason: String },
     #[error(
         "{folder}: a sample's folder holds sample.toml and data.csv, there is no {missing}; write it, or name the CSV \
@@ -207,11 +241,12 @@ pub enum SampleError {
     Description { path: String, message: String },
     #[error(transparent)]
     Format(#[from] FormatError),
-    #[error("{path}: expected {expected} to compare with, found {found}")]
+    #[error("{path}: expected {expected}, found {found}; {remedy}")]
     NotComparable {
         path: String,
-        expected: &'static str,
+        expected: String,
         found: String,
+        remedy: String,
     },
     #[error(transparent)]
     Csv(#[from] Box<CsvError>),

@@ -92,6 +92,12 @@ pub(super) fn nominal(rows: Vec<Row>) -> (Vec<Row>, AnglesRead) {
     (rows, read)
 }
 
+/// Rows at the angles that were read, ascending: of angles that are none in degrees.
+pub(super) fn as_read(mut rows: Vec<Row>) -> (Vec<Row>, AnglesRead) {
+    rows.sort_by(|a, b| (a.theta_i_deg.total_cmp(&b.theta_i_deg)).then(a.theta_v_deg.total_cmp(&b.theta_v_deg)));
+    (rows, AnglesRead::default())
+}
+
 fn sort(placed: &mut [Placed]) {
     placed.sort_by(|a, b| {
         (a.row.theta_i_deg.total_cmp(&b.row.theta_i_deg)).then(a.row.theta_v_deg.total_cmp(&b.row.theta_v_deg))

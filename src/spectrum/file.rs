@@ -27,7 +27,7 @@ pub fn parse_spectrum(name: &str, bytes: &[u8], allowed: impl RangeBounds<f64>) 
     let (source, _) = Source::parse(name, bytes)?;
     let refuse = |expected: &str, found: String| {
         let remedy = "keep one column of values, value, beside wavelength_nm, or one set";
-        Err(source.table().header_error(expected, &found, Some(remedy)).into())
+        Err(source.table().header_error(expected, &found, remedy).into())
     };
     let mut spectra = source.spectra(&Values::of(&allowed))?;
     if spectra.len() != 1 {
@@ -53,7 +53,8 @@ pub fn parse_observer(name: &str, bytes: &[u8]) -> Result<ObserverTables, Spectr
     let named = titles.iter().map(|title| title.to_ascii_lowercase());
     if !named.eq(["xbar", "ybar", "zbar"]) {
         let expected = "three spectra, xbar, ybar and zbar";
-        return Err(source.table().header_error(expected, &titles.join(", "), None).into());
+        let remedy = "name the three columns so, beside wavelength_nm";
+        return Err(source.table().header_error(expected, &titles.join(", "), remedy).into());
     }
     let mut functions = spectra.into_iter().map(|(title, samples)| Spectrum::Table {
         name: format!("{name} {title}"),
@@ -186,8 +187,12 @@ impl Source {
     fn parse(name: &str, bytes: &[u8]) -> Result<(Self, Option<String>), SpectrumError> {
         let (text, encoding) = lines_of(name, bytes)?;
         let source = match is_cgats(&text) {
-            true => Self::Cgats(Cgats::parse(name, &text)?),
-            false => Self::Csv(CsvTable::parse_text(name, &text)?),
+            true => {
+                let mut cgats = Cgats::parse(name, &text)?;
+                cgats.table = ascending(cgats.table);
+                Self::Cgats(cgats)
+            }
+            false => Self::Csv(ascending(CsvTable::parse_text(name, &text)?)),
         };
         Ok((source, encoding))
     }
@@ -220,7 +225,7 @@ impl Source {
                 let found = table.columns().join(",");
                 let remedy = "name the columns in the first line, as in wavelength_nm,value, with commas, semicolons or tabs \
                               between them, and give wavelengths in nm";
-                Err(table.header_error(expected, &found, Some(remedy)).into())
+                Err(table.header_error(expected, &found, remedy).into())
             }
         }
     }
@@ -257,7 +262,13 @@ fn of_cgats(cgats: &Cgats, values: &Values) -> Result<Named, SpectrumError> {
             let (first, last) = (bands[0].1, bands[bands.len() - 1].1);
             let found = format!("{} fields from {first} to {last} nm", bands.len());
             return Err(table
-                .error(line, Some("SPECTRAL_BANDS"), &expected, &found, None)
+                .error(
+                    line,
+                    Some("SPECTRAL_BANDS"),
+                    &expected,
+                    &found,
+                    "correct the key words, or remove them",
+                )
                 .into());
         }
         for (k, band) in bands.iter_mut().enumerate() {
@@ -276,14 +287,18 @@ pub(super) fn by_wavelength(table: &CsvTable, wavelengths: usize, values: &Value
         if nm.is_empty()
             && let Some(remedy) = plausibility::wavelength_unit(found)
         {
-            return Err(table
-                .cell_error(row, wavelengths, "a wavelength in nm", Some(remedy))
-                .into());
+            return Err(table.cell_error(row, wavelengths, "a wavelength in nm", remedy).into());
         }
         let previous = nm.last().copied().unwrap_or(0.0);
         if found <= previous {
             let expected = format!("a wavelength above {previous} nm");
-            let remedy = Some("sort the rows by wavelength, each once");
+            let remedy = match found == previous {
+                true => {
+                    "keep one of the two rows of this wavelength, or their mean; readings over incidence and view need the columns theta_i_deg \
+                         and theta_v_deg"
+                }
+                false => "give wavelengths above 0 nm, in one column",
+            };
             return Err(table.cell_error(row, wavelengths, &expected, remedy).into());
         }
         nm.push(found);
@@ -306,25 +321,68 @@ pub(super) fn by_wavelength(table: &CsvTable, wavelengths: usize, values: &Value
     }
     if spectra.is_empty() {
         let expected = "a column of values beside the wavelengths";
-        return Err(table.header_error(expected, "none", None).into());
+        return Err(table
+            .header_error(expected, "none", "add a column of values, such as value")
+            .into());
     }
     Ok(spectra)
 }
 
-/// Columns titled with wavelengths in nm, which ascend; one at least.
+/// A table whose rows ascend by wavelength, where they stand in another order in the file; the same row twice is one.
+fn ascending(table: CsvTable) -> CsvTable {
+    let Some(column) = ["wavelength_nm", "SPECTRAL_NM"]
+        .iter()
+        .find_map(|name| table.column(name))
+    else {
+        return table;
+    };
+    // What is no number is told by who reads it.
+    let nm: Option<Vec<f64>> = (0..table.len())
+        .map(|row| table.number(row, column, "a wavelength in nm").ok())
+        .collect();
+    let Some(nm) = nm.filter(|nm| !nm.is_sorted_by(|a, b| a < b)) else {
+        return table;
+    };
+    let mut rows: Vec<usize> = (0..table.len()).collect();
+    rows.sort_by(|&a, &b| nm[a].total_cmp(&nm[b]));
+    let is_sorted = rows.is_sorted();
+    let cells = |row: usize| (0..table.columns().len()).map(move |column| (row, column));
+    rows.dedup_by(|b, a| {
+        cells(*a)
+            .zip(cells(*b))
+            .all(|(a, b)| table.text(a.0, a.1) == table.text(b.0, b.1))
+    });
+    let repeated = plausibility::repeated(table.len() - rows.len());
+    let sorted = (!is_sorted).then(|| {
+        format!(
+            "wavelengths stand in another order in the file, from {} to {} nm: sorted with their values",
+            nm[0],
+            nm[nm.len() - 1]
+        )
+    });
+    let notices: Vec<String> = sorted.into_iter().chain(repeated).collect();
+    match notices.is_empty() {
+        true => table,
+        false => table.reordered(&rows, notices.join("; ")),
+    }
+}
+
+/// Columns titled with wavelengths in nm, ascending by them; one at least.
 fn bands(table: &CsvTable) -> Result<Vec<(usize, f64)>, SpectrumError> {
     let titles = table.columns().iter().enumerate();
-    let bands: Vec<(usize, f64)> = titles.filter_map(|(c, title)| Some((c, band_nm(title)?))).collect();
+    let mut bands: Vec<(usize, f64)> = titles.filter_map(|(c, title)| Some((c, band_nm(title)?))).collect();
+    bands.sort_by(|a, b| a.1.total_cmp(&b.1));
     if bands.is_empty() || !bands.is_sorted_by(|a, b| a.1 < b.1) {
-        let expected = "columns titled with ascending wavelengths in nm, such as R390,R400 or SPEC_390 SPEC_400";
-        return Err(table.header_error(expected, &table.columns().join(","), None).into());
+        let expected = "columns titled with wavelengths in nm, each once, such as R390,R400 or SPEC_390 SPEC_400";
+        let remedy = "name each column by its own wavelength";
+        return Err(table.header_error(expected, &table.columns().join(","), remedy).into());
     }
     if let Some((column, remedy)) = bands
         .first()
         .and_then(|b| Some((b.0, plausibility::wavelength_unit(b.1)?)))
     {
         let found = &table.columns()[column];
-        return Err(table.header_error("wavelengths in nm", found, Some(remedy)).into());
+        return Err(table.header_error("wavelengths in nm", found, remedy).into());
     }
     Ok(bands)
 }

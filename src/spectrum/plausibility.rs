@@ -78,13 +78,15 @@ pub fn below_zero(what: &str, lowest: f64, highest: f64, count: usize) -> Result
 }
 
 /// What to do about a value that is outside the bounds of fractions: per cent, or noise below 0.
-pub(super) fn remedy_outside(value: f64, bounds: &impl RangeBounds<f64>) -> Option<&'static str> {
+pub(super) fn remedy_outside(value: f64, bounds: &impl RangeBounds<f64>) -> &'static str {
     let is_bound = |bound: Bound<&f64>, at: f64| matches!(bound, Bound::Included(x) if *x == at);
     if is_bound(bounds.start_bound(), 0.0) && value < 0.0 {
-        return Some("set to 0 what dark subtraction left below it");
+        return "set to 0 what dark subtraction left below it";
     }
-    (is_bound(bounds.end_bound(), 1.0) && value > 1.0)
-        .then_some("values in per cent have to be divided by 100, other curves by their highest value")
+    match is_bound(bounds.end_bound(), 1.0) && value > 1.0 {
+        true => "values in per cent have to be divided by 100, other curves by their highest value",
+        false => "correct the value, or leave its wavelength out",
+    }
 }
 
 /// What a particle's diameter in nm looks like that is in micrometres: below 1 nm, which no particle that scatters light has.
@@ -122,6 +124,14 @@ pub fn wavelength_unit(found_nm: f64) -> Option<&'static str> {
         1e-7..3e-6 => Some("this looks like metres: multiply the wavelengths by 1e9"),
         _ => None,
     }
+}
+
+/// What is said of readings that stand in a file more than once with the same value; `None` of none.
+pub(crate) fn repeated(count: usize) -> Option<String> {
+    (count > 0).then(|| {
+        let lines = if count == 1 { "line repeats" } else { "lines repeat" };
+        format!("{count} {lines} a reading with the same value: taken once")
+    })
 }
 
 /// Three significant digits.

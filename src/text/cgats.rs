@@ -1,11 +1,13 @@
 //! CGATS-like text: key words, one data format, one block of data (CGATS.17, ISO 28178; Argyll's `.sp` files are of it).
 
+use super::decimals::Decimals;
 use super::{CsvError, CsvTable, shortened};
 
 /// A CGATS text and those of its key words that say how to read it.
 pub(crate) struct Cgats {
     pub table: CsvTable,
     keywords: Vec<Keyword>,
+    decimals: Decimals,
 }
 
 struct Keyword {
@@ -26,8 +28,11 @@ enum Part {
 /// Whether a text is CGATS and not CSV: a line of it begins with one of the words that every CGATS file has.
 pub(crate) fn is_cgats(text: &str) -> bool {
     const WORDS: [&str; 4] = ["BEGIN_DATA_FORMAT", "BEGIN_DATA", "NUMBER_OF_FIELDS", "NUMBER_OF_SETS"];
-    text.lines()
-        .any(|line| line.split_whitespace().next().is_some_and(|word| WORDS.contains(&word)))
+    text.lines().any(|line| {
+        line.split_whitespace()
+            .next()
+            .is_some_and(|word| WORDS.iter().any(|known| word.eq_ignore_ascii_case(known)))
+    })
 }
 
 impl Cgats {
@@ -38,6 +43,7 @@ impl Cgats {
         let mut cgats = Self {
             table: CsvTable::new(name),
             keywords: Vec::new(),
+            decimals: Decimals::default(),
         };
         let last_line = text.lines().count().max(1);
         for (index, content) in text.lines().enumerate() {
@@ -46,7 +52,7 @@ impl Cgats {
             let Some(first) = words.first() else { continue };
             let fault =
                 |expected: &str, remedy| Err(cgats.table.error(line, None, expected, &shortened(first), remedy));
-            match (part, first.as_str()) {
+            match (part, first.to_ascii_uppercase().as_str()) {
                 (Part::Keywords, "BEGIN_DATA_FORMAT") if !has_format => {
                     part = Part::Format;
                     has_format = true;
@@ -59,20 +65,28 @@ impl Cgats {
                 }
                 (Part::Keywords, "BEGIN_DATA" | "BEGIN_DATA_FORMAT" | "END_DATA" | "END_DATA_FORMAT") => {
                     let expected = if has_format { "BEGIN_DATA" } else { "BEGIN_DATA_FORMAT" };
-                    return fault(expected, Some("one data format and then one block of data make a file"));
+                    return fault(expected, "one data format and then one block of data make a file");
                 }
-                (Part::Format, "BEGIN_DATA") => return fault("END_DATA_FORMAT", None),
+                (Part::Format, "BEGIN_DATA") => {
+                    return fault(
+                        "END_DATA_FORMAT",
+                        "end the list of fields with END_DATA_FORMAT before the data",
+                    );
+                }
                 (Part::Data, "END_DATA") if words.len() == 1 => {
                     part = Part::End;
                     continue;
                 }
-                (Part::End, _) => return fault("the end of the file after END_DATA", Some("keep one table a file")),
+                (Part::End, _) => return fault("the end of the file after END_DATA", "keep one table a file"),
                 _ => {}
             }
             match part {
                 Part::Keywords => cgats.keyword(line, words)?,
                 Part::Format => {
-                    if words.last().is_some_and(|word| word == "END_DATA_FORMAT") {
+                    if words
+                        .last()
+                        .is_some_and(|word| word.eq_ignore_ascii_case("END_DATA_FORMAT"))
+                    {
                         words.pop();
                         part = Part::Keywords;
                     }
@@ -90,11 +104,15 @@ impl Cgats {
             Part::End => {
                 cgats.counted("NUMBER_OF_FIELDS", cgats.table.columns.len())?;
                 cgats.counted("NUMBER_OF_SETS", cgats.table.len())?;
+                if let Some((line, expected, found, remedy)) = cgats.decimals.ambiguous() {
+                    return Err(cgats.table.error(line, None, expected, &found, remedy));
+                }
+                cgats.table.notices.extend(cgats.decimals.notice());
                 cgats.table = cgats.table.complete()?;
                 return Ok(cgats);
             }
         };
-        let remedy = Some("the file may be cut off");
+        let remedy = "the file may be cut off: copy or export it again";
         Err(cgats
             .table
             .error(last_line, None, missing, "the end of the file", remedy))
@@ -109,9 +127,13 @@ impl Cgats {
             Ok(value) if value.is_finite() && value > 0.0 => Ok(Some((value, keyword.line))),
             _ => {
                 let found = shortened(&keyword.value);
-                Err(self
-                    .table
-                    .error(keyword.line, Some(key), "a number above 0", &found, None))
+                Err(self.table.error(
+                    keyword.line,
+                    Some(key),
+                    "a number above 0",
+                    &found,
+                    "correct the number, or remove the line",
+                ))
             }
         }
     }
@@ -143,7 +165,8 @@ impl Cgats {
                 loop {
                     let Some((inside, after)) = quoted.split_once('"') else {
                         let expected = "a closing quotation mark on the same line";
-                        return Err(self.table.error(line, None, expected, &shortened(rest), None));
+                        let remedy = "close the quotation mark, or double it where it is a character of the text";
+                        return Err(self.table.error(line, None, expected, &shortened(rest), remedy));
                     };
                     word += inside;
                     quoted = after;
@@ -173,7 +196,7 @@ impl Cgats {
         } else {
             String::new()
         };
-        let key = words.swap_remove(0);
+        let key = words.swap_remove(0).to_ascii_uppercase();
         // What reading depends on has one value; the rest are notes and may be repeated.
         let decides = key.starts_with("NUMBER_OF_") || key.starts_with("SPECTRAL_");
         if decides && self.keywords.iter().any(|known| known.key == key) {
@@ -182,7 +205,7 @@ impl Cgats {
                 None,
                 "every key word once",
                 &format!("{} twice", shortened(&key)),
-                None,
+                "remove one of the two",
             ));
         }
         self.keywords.push(Keyword { line, key, value });
@@ -199,9 +222,10 @@ impl Cgats {
                 None,
                 &expected,
                 &found,
-                Some("write each set in a line of its own"),
+                "write each set in a line of its own, and quote values that have blanks in them",
             ));
         }
+        let cells: Vec<String> = cells.into_iter().map(|cell| self.decimals.cell(cell, line)).collect();
         self.table.push(line, cells.iter().map(String::as_str));
         Ok(())
     }
@@ -215,7 +239,7 @@ impl Cgats {
                     Some(key),
                     &expected,
                     &found.to_string(),
-                    Some("the file may be cut off"),
+                    "correct the number; where it is right the file is cut off: export it again",
                 ))
             }
             _ => Ok(()),

@@ -29,11 +29,21 @@ impl CsvTable {
     pub(crate) fn parse_text(name: &str, text: &str) -> Result<Self, Box<CsvError>> {
         let mut table = Self::new(name);
         table.header_line = text.lines().count().max(1);
+        // DOS ends a text with it.
+        let text = text.strip_suffix('\u{1a}').unwrap_or(text);
+        let commented = without_preamble(text);
+        if let Some((count, _)) = &commented {
+            let lines = if *count == 1 { "line" } else { "lines" };
+            table.notices.push(format!(
+                "{count} {lines} before the titles of the columns: passed over as comments"
+            ));
+        }
+        let text = commented.as_ref().map_or(text, |(_, text)| text);
         let spaced = tabbed(text);
         let mut rows = Rows::new(spaced.as_deref().unwrap_or(text));
         let mut decimals = Decimals::default();
         while let Some(row) = rows.next(&mut table.comments) {
-            let row = row.map_err(|e| table.error(e.line, None, e.expected, &e.found, Some(e.remedy)))?;
+            let row = row.map_err(|e| table.error(e.line, None, e.expected, &e.found, e.remedy))?;
             if table.columns.is_empty() {
                 table.header_line = row.line;
                 table.columns = row.cells;
@@ -55,12 +65,12 @@ impl CsvTable {
                 None,
                 "a header line with column names",
                 "nothing",
-                None,
+                "name the columns in the first line, such as wavelength_nm,value",
             ));
         }
         if let Some(ambiguous) = decimals.ambiguous() {
             let (line, expected, found, remedy) = ambiguous;
-            return Err(table.error(line, None, expected, &found, Some(remedy)));
+            return Err(table.error(line, None, expected, &found, remedy));
         }
         table.notices.extend(decimals.notice());
         table.titled()?.complete()
@@ -97,16 +107,18 @@ impl CsvTable {
             }
             b',' => "separate values by commas",
             b';' => "separate values by semicolons, as the titles are",
+            b'|' => "separate values by '|', as the titles are",
             _ => "separate values by tabs, as the titles are",
         };
-        Err(self.error(line, None, &expected, &found, Some(remedy)))
+        Err(self.error(line, None, &expected, &found, remedy))
     }
 
     fn check_units(&self, row: &Record) -> Result<(), Box<CsvError>> {
-        for (title, unit) in self.columns.iter().zip(&row.cells) {
-            let name = titles::known(title).unwrap_or(title);
+        let (names, _) = titles::names(&self.columns);
+        for ((title, name), unit) in self.columns.iter().zip(names).zip(&row.cells) {
+            let name = name.unwrap_or(title);
             if let Some((expected, remedy)) = titles::contradicts(name, unit) {
-                return Err(self.error(row.line, Some(title), expected, &shortened(unit), Some(remedy)));
+                return Err(self.error(row.line, Some(title), expected, &shortened(unit), remedy));
             }
         }
         Ok(())
@@ -131,7 +143,7 @@ impl CsvTable {
                 self.columns[0] = "name".into();
             } else {
                 let expected = format!("a title for column {}", column + 1);
-                return Err(self.header_error(&expected, "none", Some("name it or remove it")));
+                return Err(self.header_error(&expected, "none", "name it or remove it"));
             }
         }
         Ok(self.without(&dropped))
@@ -154,7 +166,7 @@ pub(crate) fn lines_of(name: &str, bytes: &[u8]) -> Result<(String, Option<Strin
             column: None,
             expected: "text in UTF-8, UTF-16 or Latin-1".into(),
             found: format!("byte 0x{:02x}", not_text.byte),
-            remedy: Some("this is a binary file: export the table as CSV text".into()),
+            remedy: "this is a binary file: export the table as CSV text".into(),
         })),
     }
 }
@@ -191,29 +203,23 @@ struct Rows<'t> {
 
 impl<'t> Rows<'t> {
     fn new(text: &'t str) -> Self {
-        let is_comment =
-            |line: &&str| line.trim().is_empty() || line.trim_start_matches([' ', '\t', '"']).starts_with('#');
         let (mut start, mut line) = (0, 1);
         let mut header = "";
         for content in text.split_inclusive('\n') {
             header = content;
-            if !is_comment(&content) {
+            if !content.trim().is_empty() && !is_comment(content) {
                 break;
             }
             start += content.len();
             line += 1;
         }
         // The line that tells a spreadsheet the separator.
-        let stated = header
-            .trim()
-            .trim_matches('"')
-            .strip_prefix("sep=")
-            .or(header.trim().strip_prefix("SEP="));
-        let separator = match stated.map(|stated| stated.trim_matches('"')) {
+        let separator = match stated_separator(header) {
             Some(stated) => {
                 (start, line) = (start + header.len(), line + 1);
                 match stated {
                     ";" => b';',
+                    "|" => b'|',
                     "" | "\\t" | "\t" => b'\t',
                     _ => b',',
                 }
@@ -302,16 +308,53 @@ impl<'t> Rows<'t> {
     }
 }
 
+/// What a line `sep=;` states, in any case and perhaps in quotes.
+fn stated_separator(line: &str) -> Option<&str> {
+    let line = line.trim_matches(['\n', '\r', ' ', '"']);
+    let key = line.get(..4)?;
+    key.eq_ignore_ascii_case("sep=").then(|| line[4..].trim_matches('"'))
+}
+
+fn is_comment(line: &str) -> bool {
+    line.trim_start_matches([' ', '\t', '"']).starts_with('#')
+}
+
+/// A text with what instruments write before the titles made comments, and the number of such lines; `None` where the first
+/// line is no preamble, or nothing below it looks like titles.
+fn without_preamble(text: &str) -> Option<(usize, String)> {
+    /// Lines that a preamble has at most.
+    const LINES: usize = 200;
+    let is_content = |line: &&str| !line.trim().is_empty() && !is_comment(line) && stated_separator(line).is_none();
+    let first = text.lines().find(is_content)?;
+    if titles::heading(first).is_some() {
+        return None;
+    }
+    let at = text
+        .lines()
+        .take(LINES)
+        .position(|line| is_content(&line) && titles::heading(line).is_some())?;
+    let mut count = 0;
+    let mut commented = String::with_capacity(text.len() + LINES);
+    for (index, line) in text.lines().enumerate() {
+        if index < at && is_content(&line) {
+            count += 1;
+            commented += "# ";
+        }
+        commented += line;
+        commented.push('\n');
+    }
+    Some((count, commented))
+}
+
 /// A text whose fields are separated by white space alone, with tabs in its place; `None` for other texts.
 fn tabbed(text: &str) -> Option<String> {
-    let is_comment = |line: &str| line.trim_start_matches([' ', '\t', '"']).starts_with('#');
     let header = text.lines().find(|line| !line.trim().is_empty() && !is_comment(line))?;
     let mut quoted = false;
     let mut bare = header.trim().chars().filter(|&c| {
         quoted ^= c == '"';
         !quoted
     });
-    if header.contains([',', ';', '\t']) || !bare.any(|c| c == ' ') {
+    if header.contains([',', ';', '\t', '|']) || !bare.any(|c| c == ' ') {
         return None;
     }
     let mut tabbed = String::with_capacity(text.len());
@@ -337,7 +380,7 @@ fn tabbed(text: &str) -> Option<String> {
 
 /// The separator that a header has most of outside quotes.
 fn separator_of(header: &str) -> u8 {
-    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
+    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0), (b'|', 0)];
     let mut quoted = false;
     for byte in header.trim_end().bytes() {
         quoted ^= byte == b'"';
@@ -406,7 +449,8 @@ mod tests {
             assert_eq!(table.number(0, 1, "b in mm"), Ok(2.0));
             assert_eq!((table.text(1, 1), table.line(1)), ("x\ny", 8));
             let error = table.number(2, 1, "b in mm").unwrap_err();
-            assert_eq!(error.to_string(), "t.csv, line 11, column b: expected b in mm, found x");
+            let found = "t.csv, line 11, column b: expected b in mm, found x; write a number there";
+            assert!(error.to_string().starts_with(found), "{error}");
             assert_eq!(table.comments(), ["one", "it's 5\" wide", "three"]);
         }
     }
@@ -465,7 +509,8 @@ mod tests {
     fn columns_of_wavelengths_become_rows() {
         let table = CsvTable::parse("t", b"theta_i_deg,R450,550 nm\n0,0.1,0.2\n10,0.3,0.4\n")
             .unwrap()
-            .long();
+            .long()
+            .unwrap();
         assert_eq!(table.columns(), ["theta_i_deg", "wavelength_nm", "beta"]);
         let row = |row: usize| [0, 1, 2].map(|column| table.number(row, column, "").unwrap());
         assert_eq!([row(0), row(3)], [[0.0, 450.0, 0.1], [10.0, 550.0, 0.4]]);

@@ -11,4 +11,4 @@ pub(crate) use cgats::{Cgats, is_cgats};
 pub(crate) use csv_table::lines_of;
 pub use table::CsvError;
 pub(crate) use table::{CsvTable, shortened};
-pub(crate) use titles::{band_nm, is_titled};
+pub(crate) use titles::{Heading, band_nm, heading};

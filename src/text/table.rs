@@ -4,7 +4,7 @@ use super::titles;
 
 /// Where a table (CSV or CGATS text) departs from what was expected, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{name}, line {line}{}: expected {expected}, found {found}{}", .column.as_ref().map(|c| format!(", column {c}")).unwrap_or_default(), .remedy.as_ref().map(|r| format!("; {r}")).unwrap_or_default())]
+#[error("{name}, line {line}{}: expected {expected}, found {found}; {remedy}", .column.as_ref().map(|c| format!(", column {c}")).unwrap_or_default())]
 pub struct CsvError {
     /// File or table.
     pub name: String,
@@ -14,7 +14,8 @@ pub struct CsvError {
     /// With its unit.
     pub expected: String,
     pub found: String,
-    pub remedy: Option<String>,
+    /// What the user can do about it.
+    pub remedy: String,
 }
 
 /// Named columns and rows of text, each row with its line, so that every message can name it. The one reader of all
@@ -33,6 +34,8 @@ pub(crate) struct CsvTable {
     lines: Vec<usize>,
     /// What was read in another way than its plain meaning.
     pub(super) notices: Vec<String>,
+    /// Columns known by another name than the documented one: what they were taken for.
+    renamed: Vec<String>,
     /// The first comments, without their mark.
     pub(super) comments: Vec<String>,
 }
@@ -57,21 +60,34 @@ impl CsvTable {
 
     /// Refuses a column named twice and a table without rows; gives known columns the names they have in this program.
     pub(super) fn complete(mut self) -> Result<Self, Box<CsvError>> {
-        for title in &mut self.columns {
-            if let Some(known) = titles::known(title) {
-                *title = known.into();
+        if let Some((title, (expected, remedy))) = self
+            .columns
+            .iter()
+            .find_map(|title| Some((title, titles::misstated(title)?)))
+        {
+            return Err(self.header_error(expected, &format!("'{}'", shortened(title)), remedy));
+        }
+        let (names, renamed) = titles::names(&self.columns);
+        for (title, name) in self.columns.iter_mut().zip(names) {
+            if let Some(name) = name {
+                *title = name.into();
             }
         }
+        self.renamed = renamed;
         let mut seen = HashSet::new();
         if let Some(twice) = self.columns.iter().find(|c| !seen.insert(c.as_str())) {
             return Err(self.header_error(
                 "every column once",
                 &format!("'{}' twice", shortened(twice)),
-                Some("rename or remove one of them"),
+                "rename or remove one of them",
             ));
         }
         if self.lines.is_empty() {
-            return Err(self.header_error("at least one row of values after the header", "none", None));
+            return Err(self.header_error(
+                "at least one row of values after the header",
+                "none",
+                "export the table with its values: the file may be cut short",
+            ));
         }
         Ok(self)
     }
@@ -97,36 +113,85 @@ impl CsvTable {
         }
     }
 
-    /// Readings with a column a wavelength (`390`, `R390`, `390 nm`) as readings with the columns `wavelength_nm` and `beta`, a row a
-    /// wavelength; other tables as they are.
-    pub(crate) fn long(self) -> Self {
-        let bands: Vec<Option<f64>> = self.columns.iter().map(|title| titles::band_nm(title)).collect();
+    /// Readings with a column a wavelength (`390`, `R390`, `390 nm`, perhaps each with one of `_se`) as readings with the columns
+    /// `wavelength_nm`, `beta` and perhaps `beta_se`, a row a wavelength; other tables as they are.
+    ///
+    /// # Errors
+    /// Errors of other wavelengths than the values.
+    pub(crate) fn long(self) -> Result<Self, Box<CsvError>> {
+        let of = |title: &String| match title.to_lowercase().strip_suffix("_se") {
+            Some(stem) => (None, titles::band_nm(stem)),
+            None => (titles::band_nm(title), None),
+        };
+        let (bands, errors): (Vec<Option<f64>>, Vec<Option<f64>>) = self.columns.iter().map(of).unzip();
         let taken = ["wavelength_nm", "beta"].iter().any(|name| self.column(name).is_some());
         if taken || bands.iter().flatten().count() < 2 {
-            return self;
+            return Ok(self);
         }
-        let others: Vec<usize> = (0..bands.len()).filter(|&c| bands[c].is_none()).collect();
+        let error_of = |nm: f64| errors.iter().position(|at| *at == Some(nm));
+        let pairs: Vec<(f64, usize, Option<usize>)> = (bands.iter().enumerate())
+            .filter_map(|(column, nm)| nm.map(|nm| (nm, column, error_of(nm))))
+            .collect();
+        let stated = pairs.iter().filter(|(_, _, error)| error.is_some()).count();
+        let columns_of_errors = errors.iter().flatten().count();
+        if columns_of_errors > 0 && (stated != pairs.len() || columns_of_errors != stated) {
+            let found = format!("{columns_of_errors} such columns for {} wavelengths", pairs.len());
+            let expected = "a column with _se for every wavelength, or none";
+            return Err(self.header_error(expected, &found, "add those that are missing, or remove the others"));
+        }
+        let others: Vec<usize> = (0..bands.len()).filter(|&c| bands[c].or(errors[c]).is_none()).collect();
         let mut table = Self {
             columns: others.iter().map(|&c| self.columns[c].clone()).collect(),
             ..Self::new(&self.name)
         };
         table.columns.extend(["wavelength_nm".into(), "beta".into()]);
+        table.columns.extend((stated > 0).then(|| "beta_se".into()));
         for row in 0..self.len() {
-            for (column, nm) in bands
-                .iter()
-                .enumerate()
-                .filter_map(|(c, nm)| nm.map(|nm| (c, nm.to_string())))
-            {
+            for (nm, value, error) in &pairs {
                 let fixed = others.iter().map(|&c| self.text(row, c));
-                table.push(self.line(row), fixed.chain([nm.as_str(), self.text(row, column)]));
+                let error = error.map(|column| self.text(row, column));
+                let nm = nm.to_string();
+                table.push(
+                    self.line(row),
+                    fixed.chain([nm.as_str(), self.text(row, *value)]).chain(error),
+                );
             }
         }
-        Self {
+        Ok(Self {
             header_line: self.header_line,
             notices: self.notices,
+            renamed: self.renamed,
+            comments: self.comments,
+            ..table
+        })
+    }
+
+    /// The rows in another order, or some of them; `why` tells the user.
+    pub(crate) fn reordered(self, rows: &[usize], why: String) -> Self {
+        let mut table = Self {
+            columns: self.columns.clone(),
+            ..Self::new(&self.name)
+        };
+        for &row in rows {
+            table.push(
+                self.line(row),
+                (0..self.columns.len()).map(|column| self.text(row, column)),
+            );
+        }
+        let mut notices = self.notices;
+        notices.push(why);
+        Self {
+            header_line: self.header_line,
+            notices,
+            renamed: self.renamed,
             comments: self.comments,
             ..table
         }
+    }
+
+    /// Columns known by another name than the documented one: what they were taken for.
+    pub(crate) fn renamed(&self) -> &[String] {
+        &self.renamed
     }
 
     pub(crate) fn columns(&self) -> &[String] {
@@ -173,15 +238,20 @@ impl CsvTable {
         match value {
             Ok(value) if value.is_finite() => Ok(value),
             _ => {
-                let remedy = text
-                    .contains(',')
-                    .then_some("write numbers with a decimal point and nothing between thousands");
+                let remedy = match text {
+                    "" => "fill in the value, or leave the line out",
+                    _ if text.contains(',') => "write numbers with a decimal point and nothing between thousands",
+                    _ if value.is_ok() => {
+                        "replace it by a reading, or leave the line out: no value may be infinite or undefined"
+                    }
+                    _ => "write a number there, or leave the line out; a comment begins with '#'",
+                };
                 Err(self.cell_error(row, column, expected, remedy))
             }
         }
     }
 
-    pub(crate) fn cell_error(&self, row: usize, column: usize, expected: &str, remedy: Option<&str>) -> Box<CsvError> {
+    pub(crate) fn cell_error(&self, row: usize, column: usize, expected: &str, remedy: &str) -> Box<CsvError> {
         let found = match self.text(row, column) {
             "" => "nothing".to_owned(),
             cell => shortened(cell),
@@ -189,11 +259,11 @@ impl CsvTable {
         self.error(self.line(row), Some(&self.columns[column]), expected, &found, remedy)
     }
 
-    pub(crate) fn row_error(&self, row: usize, expected: &str, found: &str, remedy: Option<&str>) -> Box<CsvError> {
+    pub(crate) fn row_error(&self, row: usize, expected: &str, found: &str, remedy: &str) -> Box<CsvError> {
         self.error(self.line(row), None, expected, found, remedy)
     }
 
-    pub(crate) fn header_error(&self, expected: &str, found: &str, remedy: Option<&str>) -> Box<CsvError> {
+    pub(crate) fn header_error(&self, expected: &str, found: &str, remedy: &str) -> Box<CsvError> {
         self.error(self.header_line, None, expected, found, remedy)
     }
 
@@ -203,7 +273,7 @@ impl CsvTable {
         column: Option<&str>,
         expected: &str,
         found: &str,
-        remedy: Option<&str>,
+        remedy: &str,
     ) -> Box<CsvError> {
         Box::new(CsvError {
             name: self.name.clone(),
@@ -211,7 +281,7 @@ impl CsvTable {
             column: column.map(shortened),
             expected: expected.into(),
             found: found.into(),
-            remedy: remedy.map(str::to_owned),
+            remedy: remedy.into(),
         })
     }
 }

@@ -69,6 +69,11 @@ pub(super) fn parse(path: &str, text: &str) -> Result<WeaveDraft, FormatError> {
         None => renumbered(shafts(picks)?, picks_from_zero),
     };
     let warps = thread_count(&ini, "WARP", &by_warp, threading.at)?;
+    for section in ["WARP", "WEFT"] {
+        if ini.count(section, "THREADS")? == Some(0) {
+            warnings.push(format!("[{section}] states Threads=0: as many as are listed are taken"));
+        }
+    }
     let wefts = thread_count(&ini, "WEFT", &by_pick, picks.at)?;
     if warps.checked_mul(wefts).is_none_or(|crossings| crossings > CROSSINGS) {
         let found = format!("{warps} warps and {wefts} wefts");
@@ -243,7 +248,7 @@ fn renumbered(lists: Lists, from_zero: bool) -> Lists {
 fn thread_count(ini: &Ini, section: &str, listed: &Lists, at: usize) -> Result<usize, FormatError> {
     let highest = listed.keys().next_back().copied().unwrap_or(0);
     match ini.count(section, "THREADS")? {
-        Some(stated) if stated < highest => {
+        Some(stated) if 0 < stated && stated < highest => {
             let found = format!("thread {highest}");
             let expected = format!("the {stated} threads of [{section}] and no more");
             let remedy = format!("correct Threads in [{section}], or remove what is too many");

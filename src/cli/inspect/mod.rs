@@ -2,6 +2,7 @@
 
 mod goniometric;
 mod others;
+mod own;
 mod series;
 
 use super::{Failure, Terminal, study};
@@ -41,7 +42,29 @@ pub struct Chosen {
     pub side: Option<Side>,
 }
 
+impl From<Chosen> for specval::sample::Chosen {
+    fn from(typed: Chosen) -> Self {
+        Self {
+            scatter: typed.scatter,
+            side: typed.side,
+        }
+    }
+}
+
+/// --scatter or --side where there is nothing to choose from.
+#[derive(Debug, thiserror::Error)]
+#[error("--scatter, --side: expected a goniometric file whose components they choose from, found {0}; leave them out")]
+pub struct NothingToChoose(pub &'static str);
+
 impl Chosen {
+    /// Refuses a choice where there is none.
+    pub fn refuse_for(&self, found: &'static str) -> Result<(), NothingToChoose> {
+        match (self.scatter, self.side) {
+            (None, None) => Ok(()),
+            _ => Err(NothingToChoose(found)),
+        }
+    }
+
     fn holds(&self, component: &Component) -> bool {
         self.scatter.is_none_or(|scatter| component.scatter == scatter)
             && self.side.is_none_or(|side| component.side == side)
@@ -118,12 +141,27 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     let path = &arguments.file;
     let name = path.to_string_lossy();
     let is_built_in = Sample::built_in_names().any(|known| known == name);
-    match FileKind::of(path) {
+    let kind = FileKind::of(path);
+    let draft = || matches!(formats::format_of(path), Ok(Format::Wif));
+    let is_goniometric = match kind {
+        Some(FileKind::Goniometric(_)) => true,
+        Some(FileKind::Sample) => !path.is_dir(),
+        None => !is_built_in && !draft(),
+        _ => false,
+    };
+    if !is_goniometric {
+        arguments.chosen.refuse_for("a file of another kind")?;
+    }
+    match kind {
         Some(FileKind::Draft) => others::draft(path, terminal),
         Some(FileKind::Spectra) => others::spectra(&SpectraFile::read(path)?, terminal),
         Some(FileKind::Sample) if path.is_dir() => others::sample(&Sample::load(&name)?, terminal),
+        Some(FileKind::Study) => own::study(&study::read(path)?, terminal),
+        Some(FileKind::Artefact(kind)) => own::artefact(path, kind, terminal),
+        Some(FileKind::Report) => own::document(path, "report", terminal),
+        Some(FileKind::Check) => own::document(path, "check", terminal),
         None if is_built_in => others::sample(&Sample::load(&name)?, terminal),
-        None if matches!(formats::format_of(path), Ok(Format::Wif)) => others::draft(path, terminal),
+        None if draft() => others::draft(path, terminal),
         _ => match arguments.reading.read(path) {
             Ok(data) => goniometric::show(data, &arguments.chosen, terminal),
             // Tables of spectra have no mark of their own.

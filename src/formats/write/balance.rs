@@ -2,6 +2,7 @@
 
 use super::super::{Component, Hemispherical};
 use super::sampling::ChannelMap;
+use crate::number::shown;
 
 /// Factors beyond these would bend values more than they mend them: the table cannot hold what the source does.
 const FACTORS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
@@ -14,9 +15,17 @@ struct Change {
     theta_i_deg: f64,
     source: f64,
     table: f64,
+    /// Of both integrals together, estimated.
+    error: f64,
 }
 
 impl Change {
+    /// The error in words, two digits of it.
+    fn integrated(&self) -> String {
+        let rounded = format!("{:.1e}", self.error).parse().unwrap_or(self.error);
+        format!("integrated to within {}", shown(rounded))
+    }
+
     fn size(&self) -> f64 {
         (self.source / self.table - 1.0).abs()
     }
@@ -68,6 +77,7 @@ impl Balance {
                 theta_i_deg,
                 source,
                 table,
+                error: errors,
             };
             if FACTORS.contains(&(source / table)) {
                 keep_larger(&mut self.undone, change);
@@ -89,12 +99,14 @@ impl Balance {
 
     /// A hemispherical value that the format itself changes.
     pub(super) fn leave(&mut self, theta_i_deg: f64, source: &Hemispherical, table: &Hemispherical) {
-        for (&source, &table) in source.values.iter().zip(&table.values) {
+        let errors = source.errors.iter().zip(&table.errors).map(|(a, b)| a + b);
+        for ((&source, &table), error) in source.values.iter().zip(&table.values).zip(errors) {
             if source > 0.0 && table > 0.0 {
                 let change = Change {
                     theta_i_deg,
                     source,
                     table,
+                    error,
                 };
                 keep_larger(&mut self.left, change);
             }
@@ -105,20 +117,22 @@ impl Balance {
         if let Some(c) = self.undone.filter(|c| c.size() > TOLD) {
             notices.push(format!(
                 "hemispherical values are kept: values are scaled at each incidence and channel, by {:+.2} % at most, at \
-                 incidence {} degrees, where the table alone has {:.5} for {:.5}",
+                 incidence {} degrees, where the table alone has {:.5} for {:.5}, {}",
                 100.0 * (c.source / c.table - 1.0),
-                c.theta_i_deg,
+                shown(c.theta_i_deg),
                 c.table,
-                c.source
+                c.source,
+                c.integrated()
             ));
         }
         if let Some(c) = self.left.filter(|c| c.size() > TOLD) {
             notices.push(format!(
-                "hemispherical values change by up to {:+.2} %: {:.5} becomes {:.5} at incidence {} degrees",
+                "hemispherical values change by up to {:+.2} %: {:.5} becomes {:.5} at incidence {} degrees, {}",
                 100.0 * (c.table / c.source - 1.0),
                 c.source,
                 c.table,
-                c.theta_i_deg
+                shown(c.theta_i_deg),
+                c.integrated()
             ));
         }
         if self.uncovered > 0 {

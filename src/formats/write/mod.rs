@@ -47,9 +47,11 @@ pub struct Written {
 /// Why data were not written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WriteError {
-    #[error("{format} files are read but not written; take csv, ddr, sdr, ssdd, astm, merl, rgl or klems")]
+    #[error(
+        "expected a format that is written, found {format}, which is read but not written; take csv, ddr, sdr, ssdd, astm, merl, rgl or klems"
+    )]
     NotWritten { format: Format },
-    #[error("{format} holds {holds}; the source has {found}; {remedy}")]
+    #[error("expected {holds}, which {format} holds, found {found}; {remedy}")]
     CannotHold {
         format: Format,
         holds: String,
