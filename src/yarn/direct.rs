@@ -117,7 +117,7 @@ impl<'a> DirectTracer<'a> {
                         add_scaled(
                             &mut passages[passage * wavelengths..][here.clone()],
                             exit.weights,
-                            per_path,
+                            per_path * if fault::active(Fault::PassageLoss) { 0.97 } else { 1.0 },
                         );
                         if let Some(of) = &self.lengths {
                             let at = (cell * bins + of.bin(exit.length_mm)) * wavelengths;

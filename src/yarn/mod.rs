@@ -18,6 +18,7 @@ pub use far_field::{FarFieldBatch, FarFieldGrid, FarFieldTracer};
 pub use lengths::{LengthBins, LengthSums, LengthTally};
 pub use radiance_factor::{FactorWeights, RadianceFactorGrid, WeightTally};
 pub use reabsorption::{ByLength, Change, Reabsorption, Reweighted, Support};
+pub(crate) use scatter::scattered_or_absorbed;
 pub use scatter::{Leaving, Meeting, YarnScatter, kept_by_straight_yarn};
 
 use crate::fault::{self, Fault};
