@@ -21,7 +21,7 @@ const SHARED: Law = Law {
 const SINGLE: f64 = 1e-5;
 /// Of the light that crosses: less of it crosses by rounding. Where as little crosses at all, no path need.
 const STRAY: f64 = 1e-6;
-const DARK: f64 = 1e-9;
+const DARK: f64 = 1e-6;
 /// Paths through a cross-section of the yarn, for each interior.
 const PATHS: usize = 32;
 const TILT_SINE: f64 = 0.6;

@@ -51,6 +51,11 @@ const DEPTHS: [f64; 2] = [4.0, 30.0];
 /// Pieces of yarn and squares of the backing in which light forgets where it came in.
 const PIECE_RADII: f64 = 0.125;
 const SQUARE_RADII: f64 = 0.25;
+/// Spacing of a dense weave in radii, how many times more rays and particles the most open one gets, and the most pieces from one
+/// crossing to the next.
+const DENSE_RADII: f64 = 4.0;
+const MOST_OPEN: f64 = 50.0;
+const PIECES: f64 = 32.0;
 /// Camera rays of a view.
 const RAYS: usize = 160;
 /// Views of a side and particles of a beam in one round, and the paths of a batch of the ledger that one round goes with.
@@ -130,7 +135,12 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
         seed,
     };
     let radius_mm = plan.cloth_spec.warp_radius_mm.min(plan.cloth_spec.weft_radius_mm);
-    let places = Places::new(&tubes, PIECE_RADII * radius_mm, SQUARE_RADII * radius_mm);
+    // Of an open weave most rays and particles meet no yarn, and a piece of one is seldom met by both.
+    let spacing_mm = plan.cloth_spec.warp_spacing_mm.max(plan.cloth_spec.weft_spacing_mm);
+    let open = (spacing_mm / (DENSE_RADII * radius_mm)).clamp(1.0, MOST_OPEN);
+    let [rays, particles] = [RAYS, PARTICLES].map(|count| (count as f64 * open).ceil() as usize);
+    let piece_mm = (PIECE_RADII * radius_mm).max(spacing_mm / PIECES);
+    let places = Places::new(&tubes, piece_mm, SQUARE_RADII * radius_mm);
     let rounds = context.share(1).div_ceil(PATHS_OF_ROUND) as usize;
     let incidences = plan.rig.incidences_deg();
     let batches: Vec<[Vec<f64>; 2]> = (0..context.batches)
@@ -143,7 +153,7 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
                 let sights: Vec<Sight> = (cones.views().iter().enumerate())
                     .map(|(k, view)| {
                         let number = STREAM + round * cones.views().len() + k;
-                        Sight::new(&light, &places, view, number, batch, RAYS)
+                        Sight::new(&light, &places, view, number, batch, rays)
                     })
                     .collect();
                 let onlookers = Onlookers {
@@ -157,7 +167,10 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
                         omega_in: omega_in(*theta_i_deg, plan.study.cloth.azimuth_deg),
                         number: STREAM + round * incidences.len() + k,
                     };
-                    for (cells, of_beam) in cells.iter_mut().zip(of_beam(&light, &onlookers, &beam, batch)) {
+                    for (cells, of_beam) in cells
+                        .iter_mut()
+                        .zip(of_beam(&light, &onlookers, &beam, batch, particles))
+                    {
                         let here = &mut cells[k * of_beam.len()..][..of_beam.len()];
                         here.iter_mut()
                             .zip(of_beam)
@@ -233,9 +246,9 @@ fn views(seed: u64, batch: usize, round: usize) -> ViewCones {
 
 /// Fractions of one batch of a beam: what chance took of the light, at every wavelength; and what views see beyond what leaves, by
 /// side and wavelength.
-fn of_beam(light: &Bounces, onlookers: &Onlookers, beam: &Beam, batch: usize) -> [Vec<f64>; 2] {
-    let (beta, ledger) = light.between(beam, onlookers, batch, PARTICLES);
-    let straight = light.straight(beam, &Sides, batch, PARTICLES);
+fn of_beam(light: &Bounces, onlookers: &Onlookers, beam: &Beam, batch: usize, particles: usize) -> [Vec<f64>; 2] {
+    let (beta, ledger) = light.between(beam, onlookers, batch, particles);
+    let straight = light.straight(beam, &Sides, batch, particles);
     let games = ledger.iter().map(|ledger| ledger.games).collect();
     let mut seen = Vec::with_capacity(SIDES.len() * ABSORBING.len());
     for (side, (beta, straight)) in beta.chunks_exact(VIEWS_OF_ROUND).zip(straight).enumerate() {
