@@ -87,10 +87,28 @@ pub enum Fault {
     ErrorsHalved,
     /// Normalisation by red in place of luminance.
     NormalisedByRed,
+    /// 3 % of what shading in the sun shows left out.
+    SunlitLoss,
+    /// A tenth too much of what views see of light between yarns.
+    BetweenGain,
+    /// Light that a yarn sends on by its f* worth 3 % too much.
+    BounceGain,
+    /// 3 % of the light missing in the tables of where it leaves.
+    PassageLoss,
+    /// What enters a yarn and meets a particle or is absorbed 3 % too high.
+    EnteringHigh,
+    /// 3 % of the light that cones about views catch left out.
+    ApertureLoss,
+    /// The warp's medium in wefts of another.
+    WeftAsWarp,
+    /// The matrix from XYZ to RGB transposed.
+    RgbTransposed,
+    /// Slopes of the facets √2 times as wide as the roughness, and D not normalised.
+    FacetSlope,
 }
 
 impl Fault {
-    pub const ALL: [Self; 38] = [
+    pub const ALL: [Self; 47] = [
         Self::KappaSign,
         Self::FresnelPolarisation,
         Self::MissingCosine,
@@ -129,6 +147,15 @@ impl Fault {
         Self::ExitTangentMirrored,
         Self::ErrorsHalved,
         Self::NormalisedByRed,
+        Self::SunlitLoss,
+        Self::BetweenGain,
+        Self::BounceGain,
+        Self::PassageLoss,
+        Self::EnteringHigh,
+        Self::ApertureLoss,
+        Self::WeftAsWarp,
+        Self::RgbTransposed,
+        Self::FacetSlope,
     ];
 
     pub fn name(self) -> &'static str {
@@ -171,6 +198,15 @@ impl Fault {
             Self::ExitTangentMirrored => "exit-tangent-mirrored",
             Self::ErrorsHalved => "errors-halved",
             Self::NormalisedByRed => "normalised-by-red",
+            Self::SunlitLoss => "sunlit-loss",
+            Self::BetweenGain => "between-gain",
+            Self::BounceGain => "bounce-gain",
+            Self::PassageLoss => "passage-loss",
+            Self::EnteringHigh => "entering-high",
+            Self::ApertureLoss => "aperture-loss",
+            Self::WeftAsWarp => "weft-as-warp",
+            Self::RgbTransposed => "rgb-transposed",
+            Self::FacetSlope => "facet-slope",
         }
     }
 }

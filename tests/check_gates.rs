@@ -202,6 +202,64 @@ fn grazing_incidence_is_told_of() {
     );
     let (told, _) = of("incidences_deg = [0.0, 89.9]\n[cloth]\nmethod = \"volumetric\"");
     assert!(!told.contains("energy"), "{told}");
+    // As typed values in JSON.
+    let json = |rig: &str| {
+        fs::write(
+            here.join("study.toml"),
+            format!("{small}[rig]\npixels_per_side = 4\n{rig}\n"),
+        )
+        .unwrap();
+        document(&specval(
+            here,
+            &["measure", "study.toml", "--out", "curves.csv", "--force", "--json"],
+        ))
+    };
+    let gaining = json("incidences_deg = [0.0, 60.0, 89.9]");
+    let gains = gaining["grazing_gains"].as_array().unwrap();
+    assert_eq!(gains.len(), 1, "{gains:?}");
+    assert_eq!(gains[0]["theta_i_deg"], 89.9);
+    assert!(gains[0]["white_albedo"].as_f64().unwrap() > 1.5, "{gains:?}");
+    assert!(gaining["notices"].to_string().contains("gains energy"));
+    assert!(!gaining["brightness_factors"].as_array().unwrap().is_empty());
+    assert_eq!(json("incidences_deg = [0.0]")["grazing_gains"], serde_json::json!([]));
+}
+
+/// A full measurement by f* follows light from yarn to yarn from the first yarn on, and gains no energy at grazing incidence, where
+/// shading in the sun would nearly double it: white yarns send out all light, to a tenth for the noise of few particles.
+#[test]
+fn full_measurements_by_factors_gain_nothing_at_grazing_incidence() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let study = "[trace]\nbatches = 2\npaths_direct = 40000\n[spectrum]\nwavelengths_nm = [550.0]\n[medium]\nkappa_peak = 0.0\n";
+    fs::write(here.join("study.toml"), study).unwrap();
+    let output = specval(
+        here,
+        &[
+            "measure",
+            "study.toml",
+            "--full",
+            "--method",
+            "radiance-factor",
+            "--theta-step",
+            "2",
+            "--phi-step",
+            "90",
+            "--paths",
+            "2000",
+            "--out",
+            "full.csv",
+            "--json",
+        ],
+    );
+    let rows = document(&output)["hemispherical"].clone();
+    let mut grazing = 0;
+    for row in rows.as_array().unwrap() {
+        let of = |name: &str| row[name].as_f64().unwrap();
+        let out = of("reflectance") + of("transmittance");
+        assert!((out - 1.0).abs() < 0.1, "{row}");
+        grazing += usize::from(of("theta_i_deg") >= 88.0);
+    }
+    assert!(grazing > 0, "{rows}");
 }
 
 /// A run has a false alarm with probability 1e-3, five of them with 5e-3.

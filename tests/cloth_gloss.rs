@@ -139,6 +139,7 @@ impl Weave {
                 places: &places,
                 sights: sights.iter().collect(),
                 cones,
+                sunlit: true,
             };
             let (beta, _) = light.between(beam, &onlookers, batch, particles);
             beta.iter().map(|beta| beta[0]).collect()

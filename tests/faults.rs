@@ -19,6 +19,8 @@ exit_azimuth_cells = 12
 exit_theta_cells = 4
 exit_phi_cells = 8
 ";
+/// Wefts of a yarn of their own.
+const WEFT: &str = "[weft]\nparticle_diameter_nm = 300.0\n";
 /// Of the ledger.
 const FEW_DIRECTIONS: &str = "zenith_cells = 3\nazimuth_cells = 8\n";
 
@@ -57,11 +59,17 @@ fn every_fault_turns_the_gates_red_that_the_table_names() {
     let named: Vec<&str> = rows.iter().map(|(fault, _)| *fault).collect();
     assert_eq!(named, Fault::ALL.map(Fault::name));
     let (few, many) = (format!("{SMALL}{FEW_DIRECTIONS}"), SMALL.to_owned());
+    let two_yarns = format!("{few}{WEFT}");
     assert_eq!(broken(&few, None), Vec::<&str>::new());
+    assert_eq!(broken(&two_yarns, None), Vec::<&str>::new());
     let mut wrong = Vec::new();
     for (fault, (_, gates)) in Fault::ALL.into_iter().zip(&rows) {
-        // One in a hundred of what roulette gives takes paths from many directions to be seen.
-        let study = if fault == Fault::RouletteBias { &many } else { &few };
+        let study = match fault {
+            // One in a hundred of what roulette gives takes paths from many directions to be seen.
+            Fault::RouletteBias => &many,
+            Fault::WeftAsWarp => &two_yarns,
+            _ => &few,
+        };
         let found = broken(study, Some(fault));
         if found != *gates {
             wrong.push((fault.name(), found));
@@ -74,10 +82,32 @@ fn every_fault_turns_the_gates_red_that_the_table_names() {
 #[ignore = "minutes, and alone: the built-in study"]
 fn so_it_does_with_the_built_in_study() {
     let caught = |(fault, (name, gates)): (Fault, (&'static str, Vec<&str>))| {
-        let found = broken("", Some(fault));
+        let found = broken(if fault == Fault::WeftAsWarp { WEFT } else { "" }, Some(fault));
         (!gates.iter().any(|gate| found.contains(gate))).then_some((name, found))
     };
     let missed: Vec<_> = Fault::ALL.into_iter().zip(documented()).filter_map(caught).collect();
     assert!(missed.is_empty(), "{missed:#?}");
     assert_eq!(broken("", None), Vec::<&str>::new());
+}
+
+/// Light lost or gained in a cloth shaded with f* and all bounces is told in cloths of other weaves and of white yarns, too.
+#[test]
+#[ignore = "minutes"]
+fn light_lost_in_other_cloths_is_told() {
+    let faults = [
+        Fault::SunlitLoss,
+        Fault::BetweenGain,
+        Fault::BounceGain,
+        Fault::PassageLoss,
+        Fault::EnteringHigh,
+        Fault::ApertureLoss,
+        Fault::ClothLoss,
+    ];
+    for cloth in ["[cloth]\nweave = \"twill-2-1\"\n", "[medium]\nkappa_peak = 0.0\n"] {
+        let study = format!("{SMALL}{FEW_DIRECTIONS}{cloth}");
+        assert_eq!(broken(&study, None), Vec::<&str>::new(), "{cloth}");
+        for fault in faults {
+            assert_ne!(broken(&study, Some(fault)), Vec::<&str>::new(), "{fault:?} {cloth}");
+        }
+    }
 }

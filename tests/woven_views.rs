@@ -82,6 +82,7 @@ fn brightness(case: &Case, most: usize) -> [Vec<Vec<f64>>; 2] {
             places: &places,
             sights: sights.iter().collect(),
             cones: &cones,
+            sunlit: true,
         };
         light.between(&beam, &onlookers, batch, PARTICLES / 8).0.concat()
     };

@@ -6,6 +6,7 @@ use crate::geometry::Vec3;
 use crate::optics::Medium;
 use crate::transport::{Entry, Exit, Purpose, Roulette, Stream, Walk};
 use crate::yarn::{Estimator, Yarn};
+use std::cell::RefCell;
 
 const INDEPENDENT: Law = Law {
     name: "attenuation",
@@ -18,6 +19,9 @@ const SHARED: Law = Law {
 
 /// Of what one shared path carries, which is reckoned in single precision.
 const SINGLE: f64 = 1e-5;
+/// Of the light that crosses: less of it crosses by rounding. Where as little crosses at all, no path need.
+const STRAY: f64 = 1e-6;
+const DARK: f64 = 1e-6;
 /// Paths through a cross-section of the yarn, for each interior.
 const PATHS: usize = 32;
 const TILT_SINE: f64 = 0.6;
@@ -90,12 +94,15 @@ fn of(
             roulette: Roulette::new(1e-15, 0.5)?,
         };
         let stream = Stream::open(plan.study.seed, Purpose::Check, STREAM, 0, sharing.first);
+        let (entered, mut crossed) = (RefCell::new(Vec::new()), 0.0);
         walk.trace(
             stream,
             PATHS,
             |[across, ..]| {
                 let h = 2.0 * across - 1.0;
-                let normal = Vec3::new(h, 0.0, (1.0 - h * h).max(0.0).sqrt());
+                let depth = (1.0 - h * h).max(0.0).sqrt();
+                entered.borrow_mut().push(2.0 * radius_mm * depth / cosine);
+                let normal = Vec3::new(h, 0.0, depth);
                 Entry {
                     position: normal * radius_mm,
                     normal,
@@ -104,21 +111,38 @@ fn of(
             },
             |exit: &Exit<'_>| {
                 let chord_mm = 2.0 * exit.entry.z / cosine;
-                for (k, weight) in exit.weights.iter().enumerate() {
+                let of = |k: usize| {
                     let w = sharing.first + k;
                     let straight = (-mu_s[w] * chord_mm).exp();
-                    let expected = match exit.scattered {
+                    match exit.scattered {
                         true => (1.0 - straight) * (-mu_a[w] * exit.length_mm).exp(),
                         false => straight * (-mu_a[w] * chord_mm).exp(),
-                    };
+                    }
+                };
+                if !exit.scattered {
+                    // Of next to no light that is to scatter, the flight may round to the whole chord.
+                    if (exit.weights.iter().enumerate()).all(|(k, weight)| *weight < STRAY * of(k)) {
+                        return;
+                    }
+                    crossed += 1.0;
+                }
+                for (k, weight) in exit.weights.iter().enumerate() {
                     departures.push(Departure {
-                        value: weight - expected,
-                        wavelength_nm: nm[w],
+                        value: weight - of(k),
+                        wavelength_nm: nm[sharing.first + k],
                         scattered: exit.scattered,
                     });
                 }
             },
         );
+        let here = sharing.first..sharing.first + sharing.interior.wavelengths();
+        let depths: Vec<f64> = here.map(|w| mu_s[w] + mu_a[w]).collect();
+        let crosses = |chord_mm: &&f64| depths.iter().any(|depth| (-depth * **chord_mm).exp() > DARK);
+        departures.push(Departure {
+            value: (entered.borrow().iter().filter(crosses).count() as f64 - crossed).max(0.0),
+            wavelength_nm: nm[sharing.first],
+            scattered: false,
+        });
     }
     Ok(departures)
 }

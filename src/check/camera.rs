@@ -2,12 +2,12 @@
 
 use super::Context;
 use super::gate::{Gate, Law, Place};
-use crate::cloth::{Cloth, ClothSpec};
 use crate::compare::Geometry;
 use crate::geometry::Vec3;
+use crate::optics::gauss_legendre;
 use crate::rig::{PixelSamples, omega_in, omega_out, view_cell};
 use crate::run::{directions, gloss};
-use crate::shading::FibreGloss;
+use crate::shading::{Distribution, FibreGloss};
 use rand::TryRng;
 use std::convert::Infallible;
 use std::f64::consts::PI;
@@ -22,8 +22,11 @@ const DIRECTIONS: Law = Law {
 };
 const GLOSS: Law = Law {
     name: "gloss",
-    words: "in the mirror direction the gloss is w F(θ) / (4π m² cos²θ), and that of fibres along the normal 1 / (4π α β)",
+    words: "in the mirror direction the gloss is w F(θ) / (4π m² cos²θ), its facets cover the plane, and that of fibres along the normal is \
+            1 / (4π α β)",
 };
+
+const AREA_NODES: usize = 200;
 
 /// A generator of one number over and over.
 struct Always(u64);
@@ -54,9 +57,9 @@ const SIDE: usize = 8;
 const PLACES: [(f64, u64); 3] = [(0.0, 0), (0.5, 1 << 63), (1.0, u64::MAX)];
 const VIEWS_DEG: [[f64; 2]; 3] = [[0.0, 0.0], [50.0, 20.0], [-35.0, 110.0]];
 
-/// The default cloth through the camera: where rays meet it, followed back to the cloth's plane, in pixels.
+/// The study's cloth through the camera: where rays meet it, followed back to the cloth's plane, in pixels.
 pub fn pixels(context: &Context) -> Result<Gate, super::CheckError> {
-    let cloth = Cloth::new(&ClothSpec::default()).map_err(crate::run::RunError::from)?;
+    let cloth = &context.plan.cloth;
     let samples = PixelSamples::new(SIDE, SIDE).map_err(crate::run::RunError::from)?;
     let [pixel_x, pixel_y] = cloth.cell_mm().map(|cell| cell / SIDE as f64);
     let mut departures = Vec::new();
@@ -65,7 +68,7 @@ pub fn pixels(context: &Context) -> Result<Gate, super::CheckError> {
         for [theta_v_deg, azimuth_deg] in VIEWS_DEG {
             let view = omega_out(theta_v_deg, azimuth_deg);
             let mut ray = 0;
-            view_cell(&cloth, &view, &samples, &mut Always(bits), |interaction| {
+            view_cell(cloth, &view, &samples, &mut Always(bits), |interaction| {
                 if let Some(point) = interaction {
                     let at = point.hit.position;
                     let in_plane = at - view * (at.z / view.z);
@@ -153,6 +156,13 @@ pub fn mirror_gloss(context: &Context) -> Result<Gate, super::CheckError> {
         let shown = if shines { PI * lobe } else { 0.0 };
         compare(gloss(plan, geometry), shown, format!("beta at {theta_deg} deg"));
     }
+    for (name, distribution) in [
+        ("Beckmann", Distribution::Beckmann),
+        ("Trowbridge-Reitz", Distribution::TrowbridgeReitz),
+    ] {
+        let area = projected_area(distribution, specular.roughness);
+        compare(area, 1.0, format!("area of the facets, {name}"));
+    }
     let (along, across) = (0.2, 0.6);
     let fibres = FibreGloss::new(0.3, along, across).map_err(crate::run::RunError::from)?;
     let density = fibres.density(&Vec3::z(), &Vec3::z());
@@ -165,6 +175,21 @@ pub fn mirror_gloss(context: &Context) -> Result<Gate, super::CheckError> {
     Ok(context
         .judge
         .exact(GLOSS, &departures, tolerance, |i| Place::named(places[i].clone())))
+}
+
+/// ∫ D cosα dω over the hemisphere = π ∫ D cos⁴α d(tan²α), with tan²α = m² x/(1 − x).
+fn projected_area(distribution: Distribution, roughness: f64) -> f64 {
+    let nodes = gauss_legendre(AREA_NODES).into_iter();
+    let m2 = roughness * roughness;
+    nodes
+        .map(|(node, share)| {
+            let x = 0.5 * (1.0 + node);
+            let tan2 = m2 * x / (1.0 - x);
+            let cos2 = 1.0 / (1.0 + tan2);
+            let density = distribution.density(cos2.sqrt(), roughness);
+            0.5 * share * PI * density * cos2 * cos2 * m2 / ((1.0 - x) * (1.0 - x))
+        })
+        .sum()
 }
 
 /// Fresnel's reflectance for unpolarised light in the form of sines and tangents, of air to a body.

@@ -79,7 +79,7 @@ pub fn closed_forms(context: &Context) -> Result<Gate, CheckError> {
 ///
 /// A ray that enters at the height h, in radii, meets every wall at the same angle: with a = exp(−μ_a L) along its chord L
 /// and the reflectance r of the surface, T = (1 − r)² a / (1 − r a) and A = (1 − r)(1 − a)/(1 − r a).
-fn beam(index: f64, depth: f64, sines: [f64; 2]) -> [f64; 3] {
+pub(super) fn beam(index: f64, depth: f64, sines: [f64; 2]) -> [f64; 3] {
     let [low, high] = sines.map(f64::asin);
     let heights = gauss_legendre(HEIGHT_NODES);
     let mut mean = [0.0; 3];

@@ -97,7 +97,7 @@ const ROUNDING_OF_MEANS: f64 = 1e-12;
 /// Fraction of the tolerance below which no departure breaks a law in the mean, however small its standard error. Where
 /// what departs is rare, as scattering in a nearly empty yarn, the batches that happen to miss it have next to no spread,
 /// and Student's t does not hold.
-const NEGLIGIBLE: f64 = 1e-3;
+const NEGLIGIBLE: f64 = 1e-2;
 
 /// The two ways to judge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -348,7 +348,7 @@ mod tests {
         );
     }
 
-    /// A departure below the precision of the arithmetic or a thousandth of the tolerance is no breach, though every batch
+    /// A departure below the precision of the arithmetic or a hundredth of the tolerance is no breach, though every batch
     /// has it; one above either is. A tolerance below the precision cannot be told.
     #[test]
     fn the_judge_knows_its_precision() {
@@ -358,8 +358,10 @@ mod tests {
             (gate.verdict, gate.paths_to_tell)
         };
         assert_eq!(verdict(1.86e-9, 1e-6, 2e-3), (Verdict::Holds, None));
-        assert_eq!(verdict(1.9e-6, 1e-12, 2e-3), (Verdict::Holds, None));
-        assert_eq!(verdict(-2.1e-6, 1e-6, 2e-3), (Verdict::Broken, None));
+        assert_eq!(verdict(1.9e-5, 1e-12, 2e-3), (Verdict::Holds, None));
+        assert_eq!(verdict(-2.1e-5, 1e-6, 2e-3), (Verdict::Broken, None));
+        // Scattering so rare that 64 batches of 187 paths have next to no spread: host and particles of index 1, seed 1.
+        assert_eq!(verdict(1.54e-4, 1e-6, 0.14), (Verdict::Holds, None));
         assert_eq!(verdict(1.1e-6, 1e-6, 1e-5), (Verdict::Broken, None));
         assert_eq!(verdict(0.0, 1e-6, 1e-7), (Verdict::Undecided, None));
         // The cell beyond the floor is shown, not the one with the larger t below it.
@@ -377,7 +379,7 @@ mod tests {
             Verdict::Holds
         );
         assert_eq!(
-            JUDGE.zero(LAW, &batches(&[1e-3; 8]), 0.1, |_| Place::default()).verdict,
+            JUDGE.zero(LAW, &batches(&[2e-3; 8]), 0.1, |_| Place::default()).verdict,
             Verdict::Broken
         );
         assert_eq!(

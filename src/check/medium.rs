@@ -5,9 +5,12 @@ use super::{CheckError, Context};
 use crate::geometry::Vec3;
 use crate::optics::{HenyeyGreenstein, Medium, Phase, PhaseTable};
 use crate::run::dye_on;
+use crate::spectrum::WavelengthGrid;
 use crate::transport::{Coefficients, Cylinder, Entry, Interior, Purpose, Roulette, Stream, Walk};
+use crate::yarn::Yarn;
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::iter::zip;
 
 /// Of g, between table and series: what [`Medium::new`] asks of its tables.
 const ASYMMETRY: f64 = 1e-6;
@@ -87,6 +90,29 @@ fn of_table(table: &PhaseTable) -> [f64; 2] {
         sums[1] += 2.0 * PI * half * (2.0 * mean * middle + 2.0 / 3.0 * slope * half);
     }
     sums
+}
+
+/// The yarn at the first, the middle and the last of its wavelengths, with the scattering and absorption, 1/mm, that `of` makes of the
+/// number of a wavelength among them and its own.
+pub fn few_wavelengths(yarn: &Yarn, of: impl Fn(usize, [f64; 2]) -> [f64; 2]) -> Result<Yarn, CheckError> {
+    let medium = &yarn.medium;
+    let last = medium.grid().len() - 1;
+    let mut places = vec![0, last / 2, last];
+    places.dedup();
+    let at = |values: &[f64]| places.iter().map(|&w| values[w]).collect::<Vec<f64>>();
+    let own = zip(at(medium.mu_s_per_mm()), at(medium.mu_a_per_mm()));
+    let (mu_s, mu_a) = own
+        .enumerate()
+        .map(|(k, (mu_s, mu_a))| of(k, [mu_s, mu_a]).into())
+        .unzip();
+    let medium = Medium::from_coefficients(
+        &WavelengthGrid::new(at(medium.grid().nm()))?,
+        at(medium.host_index()),
+        mu_s,
+        mu_a,
+        places.iter().map(|&w| medium.phase(w).clone()).collect(),
+    )?;
+    Ok(Yarn { medium, ..yarn.clone() })
 }
 
 /// So thin that next to nothing scatters twice: 2 μ_s R.

@@ -5,6 +5,7 @@
 
 mod attenuation;
 mod baseline;
+mod bounces;
 mod camera;
 mod cells;
 mod cloth;
@@ -134,7 +135,7 @@ const SINGLE_PRECISION: f64 = 1e-6;
 const DOUBLE_PRECISION: f64 = 1e-12;
 
 /// Laws in the mean, which have a chance to break: the false alarms of a run are divided between them.
-const IN_THE_MEAN: [Law; 9] = [
+const IN_THE_MEAN: [Law; 11] = [
     medium::ANGLE,
     cylinder::LAW,
     ledger::SHARING,
@@ -142,6 +143,8 @@ const IN_THE_MEAN: [Law; 9] = [
     tables::ROADS,
     symmetry::RECIPROCITY,
     symmetry::MIRROR,
+    bounces::BOUNCES,
+    bounces::VIEWS,
     cloth::ENERGY,
     cloth::ALBEDO,
 ];
@@ -304,12 +307,14 @@ pub fn study(plan: &Plan, effort: CheckEffort, progress: Progress) -> Result<Che
     progress(0.5);
     gates.push(tables::bssrdf(context)?);
     let mut cloth = ClothEnergy::new(context);
-    gates.push(tables::direct(context, |batch| cloth.add(batch))?);
+    gates.extend(tables::direct(context, |batch| cloth.add(batch))?);
     gates.push(tables::two_roads(context)?);
     progress(0.2);
     gates.extend(symmetry::gates(context)?);
     gates.push(woven::ledger(context)?);
     gates.push(woven::furnace(context, &ledger::white_yarn(context)?)?);
+    gates.push(woven::aperture(context)?);
+    gates.extend(bounces::gates(context)?);
     let (energy, of_cloth) = cloth.gates();
     gates.extend(energy);
     quantities.extend(of_cloth);

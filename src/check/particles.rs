@@ -46,30 +46,40 @@ pub fn gates(context: &Context) -> Result<[Gate; 2], CheckError> {
     };
     let nm = plan.grid.nm();
     let mut departures = [Vec::new(), Vec::new()];
-    let mut add = |medium: &Medium, section: &MediumSection| -> Result<(), CheckError> {
+    let add = |departures: &mut [Vec<f64>; 2], medium: &Medium, section: &MediumSection| -> Result<(), CheckError> {
         let [coefficients, densities] = compare(context, medium, section)?;
         departures[0].extend(coefficients);
         departures[1].extend(densities);
         Ok(())
     };
-    add(&plan.yarn.medium, &study.medium)?;
+    add(&mut departures, &plan.yarn.medium, &study.medium)?;
+    let of_warp = departures.each_ref().map(Vec::len);
+    if plan.weft.is_some() {
+        add(
+            &mut departures,
+            &plan.yarns()[1].medium,
+            &study.weft.medium(&study.medium),
+        )?;
+    }
+    let of_yarns = departures.each_ref().map(Vec::len);
     // The study does not need the other medium: where that is refused, as too sharp for a table, there is nothing to test.
     if let Ok(yarn) = plan.yarn_of(&other) {
-        add(&yarn.medium, &other)?;
+        add(&mut departures, &yarn.medium, &other)?;
     }
-    let whose = |i: usize, each: usize| match i < each * nm.len() {
-        true => "",
-        false => ", interference the other way",
+    let whose = |i: usize, gate: usize| match i {
+        _ if i < of_warp[gate] => "",
+        _ if i < of_yarns[gate] => ", weft",
+        _ => ", interference the other way",
     };
     let quantities = ["mu_s", "mu_a", "g"];
     Ok([
         judge.exact(COEFFICIENTS, &departures[0], COEFFICIENT, |i| {
-            let at = format!("{}{}", quantities[i % 3], whose(i, 3));
+            let at = format!("{}{}", quantities[i % 3], whose(i, 0));
             Place::new(nm[i / 3 % nm.len()], at)
         }),
         judge.exact(PHASE, &departures[1], DENSITY, |i| {
             let degrees = 2.0 * sine(i % (ANGLES + 1)).asin().to_degrees();
-            let at = format!("{degrees:.1} deg{}", whose(i, ANGLES + 1));
+            let at = format!("{degrees:.1} deg{}", whose(i, 1));
             Place::new(nm[i / (ANGLES + 1) % nm.len()], at)
         }),
     ])

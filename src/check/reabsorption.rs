@@ -1,9 +1,8 @@
 //! Re-absorption against light that was traced with the other absorption.
 
 use super::gate::{Gate, Law, Place};
+use super::medium::few_wavelengths;
 use super::{CheckError, Context};
-use crate::optics::Medium;
-use crate::spectrum::WavelengthGrid;
 use crate::transport::{BatchSums, Roulette};
 use crate::yarn::{
     ByLength, DirectBatch, DirectTracer, Effort, Estimator, LengthBins, LengthSums, Reabsorption, SurfaceGrid, Yarn,
@@ -29,34 +28,20 @@ const BATCHES: usize = 64;
 /// The study's yarn at three of its wavelengths, and the same with more absorption: each changed into the other.
 pub fn gate(context: &Context) -> Result<Gate, CheckError> {
     let Context { plan, judge, .. } = context;
-    let last = plan.grid.len() - 1;
-    let mut of = vec![0, last / 2, last];
-    of.dedup();
-    let nm: Vec<f64> = of.iter().map(|&w| plan.grid.nm()[w]).collect();
-    let grid = WavelengthGrid::new(nm.clone())?;
     let bins = LengthBins::new(plan.yarn.cylinder.radius_mm(), LengthBins::DEFAULT)?;
     let yarn = |added: &[f64]| -> Result<Yarn, CheckError> {
-        let medium = &plan.yarn.medium;
-        let at = |values: &[f64]| of.iter().map(|&w| values[w]).collect::<Vec<f64>>();
-        let medium = Medium::from_coefficients(
-            &grid,
-            at(medium.host_index()),
-            at(medium.mu_s_per_mm()),
-            zip(at(medium.mu_a_per_mm()), added)
-                .map(|(mu_a, added)| mu_a + added)
-                .collect(),
-            of.iter().map(|&w| medium.phase(w).clone()).collect(),
-        )?;
         Ok(Yarn {
-            medium,
             // Independent paths are then the same whatever they lose on the way, down to weights that do not count.
             roulette: Roulette::new(1e-6, 0.5)?,
             estimator: Estimator::Independent,
-            ..plan.yarn.clone()
+            ..few_wavelengths(&plan.yarn, |k, [mu_s, mu_a]| {
+                [mu_s, mu_a + added.get(k).unwrap_or(&0.0)]
+            })?
         })
     };
     let axes = YarnResponseGrid::new(1, SurfaceGrid::new(4, 1, 4)?)?;
-    let own = yarn(&vec![0.0; nm.len()])?;
+    let own = yarn(&[])?;
+    let nm = own.medium.grid().nm();
     let of_own = trace(plan.study.seed, &own, axes, &bins)?;
     let lengths = mean_lengths(&of_own.1, nm.len());
     let darker = yarn(

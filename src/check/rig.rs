@@ -2,7 +2,7 @@
 
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
-use crate::colour::{Adaptation, ColourSystem, Convention, Illuminant, Observer, RgbSpace};
+use crate::colour::{Adaptation, ColourSystem, Convention, Illuminant, Observer, RgbSpace, Xyz};
 use crate::geometry::Vec3;
 use crate::rig::{brightness_factor, view_cell};
 use crate::run::{CameraBatch, directions, stream_of};
@@ -17,7 +17,7 @@ const DIFFUSER: Law = Law {
 };
 const WHITES: Law = Law {
     name: "whites",
-    words: "the whites of observers and illuminants are those of ASTM E308",
+    words: "the whites of observers and illuminants are those of ASTM E308, and sRGB has the primaries of IEC 61966-2-1",
 };
 const LOOKUP: Law = Law {
     name: "lookup-mirror",
@@ -102,6 +102,12 @@ const E308: [(Illuminant, [f64; 2], [f64; 2]); 5] = [
     (Illuminant::C, [0.98074, 1.18232], [0.97285, 1.16145]),
     (Illuminant::E, [1.0, 1.0], [1.0, 1.0]),
 ];
+/// Primaries of sRGB in XYZ (IEC 61966-2-1), of white Y = 1.
+const SRGB: [[f64; 3]; 3] = [
+    [0.4124, 0.2126, 0.0193],
+    [0.3576, 0.7152, 0.1192],
+    [0.1805, 0.0722, 0.9505],
+];
 /// What the ends of the spectrum, 360 nm and 780 nm here, and the step leave open.
 const WHITE_TOLERANCE: f64 = 1e-3;
 
@@ -118,7 +124,15 @@ pub fn whites(context: &Context) -> Result<Gate, CheckError> {
                 rgb: RgbSpace::Srgb,
                 adaptation: Adaptation::None,
             };
-            let white = ColourSystem::new(&grid, convention)?.white();
+            let system = ColourSystem::new(&grid, convention)?;
+            let white = system.white();
+            for (primary, [x, y, z]) in SRGB.into_iter().enumerate() {
+                let rgb = system.linear_rgb(Xyz { x, y, z }).0;
+                for (channel, found) in rgb.into_iter().enumerate() {
+                    departures.push(found - f64::from(u8::from(channel == primary)));
+                    places.push(Place::named(format!("sRGB primary {primary}, channel {channel}")));
+                }
+            }
             for (quantity, departure) in [("X", white.x - x), ("Y", white.y - 1.0), ("Z", white.z - z)] {
                 departures.push(departure);
                 places.push(place(quantity));
@@ -130,13 +144,20 @@ pub fn whites(context: &Context) -> Result<Gate, CheckError> {
         .exact(WHITES, &departures, WHITE_TOLERANCE, |i| places[i].clone()))
 }
 
-/// The table of f* = cosψ through the camera, against the same rays summed here.
+/// The table of f* = cosψ through the camera, against the same rays summed here; twice that of wefts of another yarn.
 pub fn shading(context: &Context) -> Gate {
     let Context { plan, judge, .. } = context;
+    let of_yarn = |number: usize| (number + 1) as f64;
     let grid = plan.factor_grid;
-    let response = YarnResponse::from_fn(grid, plan.grid.len(), |[tilt, ..]| grid.mean_cosine(tilt));
+    let responses: Vec<YarnResponse> = (0..plan.different_yarns().count())
+        .map(|yarn| {
+            YarnResponse::from_fn(grid, plan.grid.len(), |[tilt, ..]| {
+                of_yarn(yarn) * grid.mean_cosine(tilt)
+            })
+        })
+        .collect();
     let geometries = plan.geometries();
-    let shaded = CameraBatch::trace(plan, &geometries, 0).shade(&vec![response; plan.different_yarns().count()]);
+    let shaded = CameraBatch::trace(plan, &geometries, 0).shade(&responses);
     let departures: Vec<f64> = geometries
         .iter()
         .zip(&shaded)
@@ -146,7 +167,8 @@ pub fn shading(context: &Context) -> Gate {
             let mut sum = 0.0;
             view_cell(&plan.cloth, &omega_out, &plan.pixels, &mut rng, |interaction| {
                 let light = interaction.and_then(|point| point.light(&plan.cloth, &omega_in));
-                sum += light.map_or(0.0, |light| (1.0 - light.y * light.y).max(0.0).sqrt());
+                let yarn = interaction.map_or(0, |point| point.hit.system().index().min(tables.len() - 1));
+                sum += light.map_or(0.0, |light| of_yarn(yarn) * (1.0 - light.y * light.y).max(0.0).sqrt());
             });
             let mean = sum / plan.pixels.count() as f64;
             let expected = std::f64::consts::PI * mean / geometry.theta_i_deg.to_radians().cos();

@@ -15,6 +15,10 @@ const FACTOR: Law = Law {
     name: "radiance-factor-integral",
     words: "f* integrates over surface and directions to the ledger's scattered light",
 };
+const PASSAGES: Law = Law {
+    name: "passages",
+    words: "what comes in at one place of the section and leaves at another adds up to the ledger's scattered light",
+};
 pub const ROADS: Law = Law {
     name: "two-roads",
     words: "f* summed from the BSSRDF over the lit surface sends out the light that a parallel beam does",
@@ -27,28 +31,55 @@ const TABLES: usize = 2;
 pub fn direct(
     context: &Context,
     mut sink: impl FnMut(&DirectBatch) -> Result<(), CheckError>,
-) -> Result<Gate, CheckError> {
+) -> Result<[Gate; 2], CheckError> {
     let Context { plan, judge, .. } = context;
     let grid = plan.factor_grid;
     let wavelengths = plan.grid.len();
     let paths = context.of_estimator(context.share(8) * context.cloth_batches as u64);
     let effort = Effort::new(plan.study.seed, context.cloth_batches, paths)?;
     let tracer = DirectTracer::new(&plan.yarn, grid, effort, None)?;
-    let mut departures = Vec::new();
+    let (mut departures, mut of_passages) = (Vec::new(), Vec::new());
     for batch in 0..context.cloth_batches {
         let batch = tracer.batch(batch);
         if departures.len() < TABLES * batch.ledgers.len() {
             departures.extend(integral_departures(&grid, &batch, wavelengths));
+            of_passages.extend(passage_departures(&grid, &batch, wavelengths));
         }
         sink(&batch)?;
     }
-    Ok(judge.exact(FACTOR, &departures, plan.study.check.rounding, |i| {
+    let at = |i: usize| {
         let cell = i % (grid.tilts() * wavelengths);
         Place::new(
             plan.grid.nm()[cell % wavelengths],
             tilt_words(&grid, cell / wavelengths),
         )
-    }))
+    };
+    let rounding = plan.study.check.rounding;
+    Ok([
+        judge.exact(FACTOR, &departures, rounding, at),
+        judge.exact(PASSAGES, &of_passages, rounding, at),
+    ])
+}
+
+/// Passages are fractions of all light of a tilt.
+fn passage_departures(grid: &YarnResponseGrid, batch: &DirectBatch, wavelengths: usize) -> Vec<f64> {
+    let per_tilt = grid.transfer_cells() / grid.tilts() * wavelengths;
+    let tilts = batch
+        .response
+        .transfer_values()
+        .chunks_exact(per_tilt)
+        .zip(batch.ledgers.chunks_exact(wavelengths));
+    tilts
+        .flat_map(|(rows, ledgers)| {
+            let mut sums = vec![0.0; wavelengths];
+            for row in rows.chunks_exact(wavelengths) {
+                zip(&mut sums, row).for_each(|(sum, x)| *sum += x);
+            }
+            zip(sums, ledgers)
+                .map(|(sum, ledger)| sum - ledger.scattered)
+                .collect::<Vec<_>>()
+        })
+        .collect()
 }
 
 /// ∮∫ f* cosθ dω R dφ over the yarn is what the beam's 2R cosψ E⊥ scatters: written out from the cells' edges alone.

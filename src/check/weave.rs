@@ -2,7 +2,7 @@
 
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
-use crate::cloth::{Cloth, ClothError, ClothSpec, Draft, PeirceSegment, System, Tubes, Weave, YarnId};
+use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Draft, PeirceSegment, System, Tubes, Weave, YarnId};
 use crate::geometry::Vec3;
 use crate::rig::Interaction;
 use crate::run::RunError;
@@ -105,18 +105,43 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
         Woven::of("twill-2-1", &twill, TWILL).map_err(RunError::from)?,
         Woven::of("uneven draft", &uneven, UNEVEN).map_err(RunError::from)?,
     ];
+    let own = own(context)?;
+    let all = || known.iter().chain(&own);
+    let of_own = |gate: Gate| match own {
+        Some(_) => gate,
+        None => gate.with_note("on a built-in twill and draft alone: where the study's yarns cross is left to chance"),
+    };
     Ok([
-        crossings(context, &known),
-        crowns(context, &known),
-        shadows(context, &known[0]),
+        of_own(crossings(context, all())),
+        of_own(crowns(context, all())),
+        of_own(shadows(context, known.iter().take(1).chain(&own))),
     ])
 }
 
+/// The study's cloth; none where its yarns vary, so that crossings are not where the mean spacing says.
+fn own<'a>(context: &Context<'a>) -> Result<Option<Woven<'a>>, CheckError> {
+    let plan = context.plan;
+    let spec = &plan.cloth_spec;
+    if spec.spacing_variation > 0.0 || spec.radius_variation > 0.0 {
+        return Ok(None);
+    }
+    let draft = spec.weave.draft();
+    Ok(Some(Woven {
+        name: "the study's cloth",
+        cloth: &plan.cloth,
+        tubes: Some(Tubes::new(spec).map_err(RunError::from)?),
+        spec,
+        wefts: draft.yarns(System::Weft).min(OWN_CROSSINGS),
+        warps: draft.yarns(System::Warp).min(OWN_CROSSINGS),
+        warp_on_top: Box::new(move |i, j| draft.warp_on_top(i, j)),
+    }))
+}
+
 /// 1 for every wrong yarn.
-fn crossings(context: &Context, known: &[Woven]) -> Gate {
+fn crossings<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) -> Gate {
     let mut departures = Vec::new();
     let mut places = Vec::new();
-    let mut test = |woven: &Woven| {
+    for woven in all {
         for (i, j, at) in woven.crossings() {
             let (warp, weft) = ((System::Warp, j), (System::Weft, i));
             let (top, bottom) = if (woven.warp_on_top)(i, j) {
@@ -134,57 +159,67 @@ fn crossings(context: &Context, known: &[Woven]) -> Gate {
                 places.push(format!("{}, weft {i}, warp {j}", woven.name));
             }
         }
-    };
-    known.iter().for_each(&mut test);
-    let plan = context.plan;
-    if plan.cloth_spec.spacing_variation == 0.0 {
-        let draft = plan.cloth_spec.weave.draft();
-        test(&Woven {
-            name: "the study's cloth",
-            cloth: &plan.cloth,
-            tubes: None,
-            spec: &plan.cloth_spec,
-            wefts: draft.yarns(System::Weft).min(OWN_CROSSINGS),
-            warps: draft.yarns(System::Warp).min(OWN_CROSSINGS),
-            warp_on_top: Box::new(move |i, j| draft.warp_on_top(i, j)),
-        });
     }
     context
         .judge
         .exact(CROSSINGS, &departures, 0.0, |i| Place::named(places[i].clone()))
 }
 
-/// In yarn radii R. Equal round yarns that touch where they cross and share the crimp have their crowns 2R from the middle plane.
-fn crowns(context: &Context, known: &[Woven]) -> Gate {
+/// In the warp's radius. Where yarns touch, their centre lines are the sum of both half-heights apart, of which each takes half as its
+/// crest; a sinusoid's crest is its amplitude. A crown stands the yarn's half-height above the crest.
+fn crowns<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) -> Gate {
     let mut departures = Vec::new();
     let mut places = Vec::new();
-    for woven in known {
-        let radius_mm = woven.spec.warp_radius_mm;
+    for woven in all {
+        let spec = woven.spec;
+        let radius_mm = spec.warp_radius_mm;
+        // An ellipse of the circle's area whose width is its height times the flattening.
+        let half_height = |radius_mm: f64, flattening: f64| radius_mm / flattening.sqrt();
+        let heights = [
+            half_height(spec.warp_radius_mm, spec.warp_flattening),
+            half_height(spec.weft_radius_mm, spec.weft_flattening),
+        ];
+        let sum = heights[0] + heights[1];
+        let crest = match spec.centre_line {
+            CentreLineKind::Peirce => 0.5 * sum,
+            CentreLineKind::Sinusoid { amplitude_mm } => amplitude_mm,
+        };
         for (i, j, at) in woven.crossings() {
             for side in [1.0, -1.0] {
-                for (_, z) in woven.seen(at, side) {
-                    departures.push(side * z / radius_mm - 2.0);
+                for (yarn, z) in woven.seen(at, side) {
+                    departures.push((side * z - crest - heights[yarn.system.index()]) / radius_mm);
                     places.push(format!("{}, weft {i}, warp {j}", woven.name));
                 }
             }
         }
-    }
-    let spec = ClothSpec::default();
-    let (p, h) = (spec.weft_spacing_mm, spec.warp_radius_mm + spec.weft_radius_mm);
-    let d = 2.0 * h;
-    match PeirceSegment::solve(p, h, d) {
-        Some(PeirceSegment {
-            length_mm,
-            weave_angle_rad,
-        }) => {
-            let straight = length_mm - d * weave_angle_rad;
-            let (sin, cos) = weave_angle_rad.sin_cos();
-            departures.push((straight * cos + d * sin - p) / spec.warp_radius_mm);
-            departures.push((straight * sin + d * (1.0 - cos) - h) / spec.warp_radius_mm);
+        if spec.centre_line != CentreLineKind::Peirce {
+            continue;
         }
-        None => departures.extend([f64::NAN; 2]),
+        let flattenings = [spec.warp_flattening, spec.weft_flattening];
+        for (system, p) in [
+            (System::Warp, spec.weft_spacing_mm),
+            (System::Weft, spec.warp_spacing_mm),
+        ] {
+            let (k, crossed) = (system.index(), system.other().index());
+            // Arcs about the osculating circle of a wide section at its top, a²/b; about the circle of b in a narrow one.
+            let d = 2.0 * (heights[k] + heights[crossed] * flattenings[crossed].powi(2).max(1.0));
+            match PeirceSegment::solve(p, sum, d) {
+                Some(PeirceSegment {
+                    length_mm,
+                    weave_angle_rad,
+                }) => {
+                    let straight = length_mm - d * weave_angle_rad;
+                    let (sin, cos) = weave_angle_rad.sin_cos();
+                    departures.push((straight * cos + d * sin - p) / radius_mm);
+                    departures.push((straight * sin + d * (1.0 - cos) - sum) / radius_mm);
+                }
+                // A weave that never changes sides has no segment, and may lie closer.
+                None => continue,
+            }
+            places
+                .extend(["spacing", "crimp height"].map(|of| format!("{}, Peirce's {of} of the {system}", woven.name)));
+        }
     }
-    places.extend(["Peirce's spacing", "Peirce's crimp height"].map(str::to_owned));
     let rounding = context.plan.study.check.rounding;
     context
         .judge
@@ -192,23 +227,28 @@ fn crowns(context: &Context, known: &[Woven]) -> Gate {
 }
 
 /// 1 for every wrong shadow. Light from straight below, at points seen from straight above, and from above, where all is lit.
-fn shadows(context: &Context, woven: &Woven) -> Gate {
+fn shadows<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) -> Gate {
     let mut departures = Vec::new();
     let mut places = Vec::new();
-    let half_gap = Vec3::x() * (0.5 * woven.spec.weft_spacing_mm);
-    let from = Vec3::z() * (2.0 * woven.cloth.top_mm());
-    for (i, j, crossing) in woven.crossings() {
-        // A warp has nothing above or below it half-way between two wefts.
-        for (at, shadowed_from_below) in [(crossing, true), (crossing + half_gap, false)] {
-            let seen = woven.cloth.intersect(&(at + from), &-Vec3::z()).map(|hit| Interaction {
-                omega_out_local: hit.frame.to_local(&Vec3::z()),
-                hit,
-            });
-            let lit = |light: Vec3| seen.is_some_and(|point| point.light(woven.cloth, &light).is_some());
-            let right = lit(Vec3::z()) && lit(-Vec3::z()) != shadowed_from_below;
-            departures.push(f64::from(u8::from(!right)));
-            let place = if shadowed_from_below { "at" } else { "behind" };
-            places.push(format!("warp {j}, {place} the crossing with weft {i}"));
+    for woven in all {
+        let spec = woven.spec;
+        let half_gap = Vec3::x() * (0.5 * spec.weft_spacing_mm);
+        let from = Vec3::z() * (2.0 * woven.cloth.top_mm());
+        // A warp has nothing above or below it half-way between two wefts that leave a gap.
+        let gap = spec.weft_radius_mm * spec.weft_flattening.sqrt() < 0.99 * half_gap.x;
+        for (i, j, crossing) in woven.crossings() {
+            let behind = gap.then_some((crossing + half_gap, false));
+            for (at, shadowed_from_below) in [(crossing, true)].into_iter().chain(behind) {
+                let seen = woven.cloth.intersect(&(at + from), &-Vec3::z()).map(|hit| Interaction {
+                    omega_out_local: hit.frame.to_local(&Vec3::z()),
+                    hit,
+                });
+                let lit = |light: Vec3| seen.is_some_and(|point| point.light(woven.cloth, &light).is_some());
+                let right = lit(Vec3::z()) && lit(-Vec3::z()) != shadowed_from_below;
+                departures.push(f64::from(u8::from(!right)));
+                let place = if shadowed_from_below { "at" } else { "behind" };
+                places.push(format!("{}, warp {j}, {place} the crossing with weft {i}", woven.name));
+            }
         }
     }
     context

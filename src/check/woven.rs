@@ -3,8 +3,9 @@
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
 use crate::cloth::Tubes;
+use crate::geometry::Vec3;
 use crate::rig::omega_in;
-use crate::run::RunError;
+use crate::run::{LitBatch, LitViews, RunError, VolumetricCloth};
 use crate::woven::{Beam, ClothLedger, ViewCones, Volumetric};
 use crate::yarn::{Estimator, Yarn};
 use rayon::prelude::*;
@@ -17,6 +18,48 @@ const FURNACE: Law = Law {
     name: "cloth-furnace",
     words: "white yarns absorb nothing of the light traced through them, and the same sum is 1",
 };
+
+const APERTURE: Law = Law {
+    name: "aperture",
+    words: "a cone of 90° about the normal has the brightness factor of the light that the ledger says is reflected",
+};
+
+/// Half angle of the widest cone; 3e-8 of diffuse light leaves lower, and what is left of the circle of directions.
+const WIDEST_DEG: f64 = 89.99;
+/// Of the incident flux: particles carry what they do in single precision.
+const CAUGHT: f64 = 1e-5;
+
+/// Light traced through the yarns as the rig catches it, particle by particle.
+pub fn aperture(context: &Context) -> Result<Gate, CheckError> {
+    let plan = context.plan;
+    let incidences = plan.rig.incidences_deg();
+    let lit: Vec<LitViews> = (incidences.iter().enumerate())
+        .map(|(number, theta_i_deg)| LitViews {
+            beam: Beam {
+                omega_in: omega_in(*theta_i_deg, plan.study.cloth.azimuth_deg),
+                number,
+            },
+            cones: ViewCones::new(vec![Vec3::z()], WIDEST_DEG.to_radians()),
+            places: vec![0],
+        })
+        .collect();
+    let cloth = VolumetricCloth::new(plan, PARTICLES, true)?;
+    let departures: Vec<f64> = cloth
+        .brightness(&lit, 0)
+        .iter()
+        .flat_map(|LitBatch { beta, ledger }| {
+            let caught = beta.iter().flatten();
+            caught
+                .zip(ledger)
+                .map(|(beta, ledger)| beta - ledger.reflected)
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    let nm = plan.grid.nm();
+    Ok(context.judge.exact(APERTURE, &departures, CAUGHT, |i| {
+        Place::new(nm[i % nm.len()], format!("theta_i {} deg", incidences[i / nm.len()]))
+    }))
+}
 
 /// Particles of a beam and group of wavelengths: the sums hold path by path, whatever their number.
 const PARTICLES: usize = 64;

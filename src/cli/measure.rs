@@ -2,7 +2,7 @@ use super::{Failure, Options, Replace, Scratch, Stopping, claim, full, in_words,
 use serde::Serialize;
 use specval::output::{self, Place, beside, write_all};
 use specval::report::effort_line;
-use specval::run::{Plan, RunError, Simulator, Stage, StateFile, Watch, grazing_notice};
+use specval::run::{GrazingGain, Plan, RunError, Simulator, Stage, StateFile, Watch, grazing_gains, grazing_notice};
 use specval::study::MethodChoice;
 use specval::transport::Estimate;
 use specval::woven::ClothLedger;
@@ -70,6 +70,15 @@ struct Row {
     beta_se: f64,
 }
 
+/// The result as JSON.
+#[derive(Serialize)]
+struct Measured {
+    brightness_factors: Vec<Row>,
+    /// Incidences at which shading with f* gains energy.
+    grazing_gains: Vec<GrazingGain>,
+    notices: Vec<String>,
+}
+
 pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let mut study = study::load(arguments.study.as_deref(), options)?;
     match arguments.method {
@@ -101,7 +110,8 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let (plan, split) = arguments.stopping.limits.split(study::plan(study)?, Stage::Views)?;
     let mut notices = plan.notices();
     notices.extend(split);
-    notices.extend(grazing_notice(&plan).map_err(RunError::from)?);
+    let grazing_gains = grazing_gains(&plan).map_err(RunError::from)?;
+    notices.extend(grazing_notice(&grazing_gains));
     for notice in &notices {
         terminal.notice(notice);
     }
@@ -162,10 +172,15 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         output::remove(&energy_file)?;
     }
     state.remove()?;
-    terminal.result(&rows, |rows| {
+    let measured = Measured {
+        brightness_factors: rows,
+        grazing_gains,
+        notices,
+    };
+    terminal.result(&measured, |measured| {
         format!(
             "{} brightness factors written to {}{also}\n{effort}\n",
-            rows.len(),
+            measured.brightness_factors.len(),
             in_words(out)
         )
     })

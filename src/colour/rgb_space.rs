@@ -1,3 +1,4 @@
+use crate::fault::{self, Fault};
 use nalgebra::{Matrix3, Vector3};
 
 use super::{LinearRgb, RgbSpace};
@@ -25,7 +26,12 @@ impl RgbSpace {
     }
 
     pub(super) fn xyz_to_rgb(self) -> Matrix3<f64> {
-        inverse(&self.rgb_to_xyz())
+        let matrix = inverse(&self.rgb_to_xyz());
+        if fault::active(Fault::RgbTransposed) {
+            matrix.transpose()
+        } else {
+            matrix
+        }
     }
 
     /// XYZ of RGB (1, 1, 1).

@@ -65,7 +65,9 @@ impl CameraBatch {
                     let of_yarn = weights.contract(response);
                     beta.iter_mut().zip(of_yarn).for_each(|(sum, b)| *sum += b);
                 }
-                beta.iter_mut().for_each(|b| *b = brightness_factor(*b, *cos_i).0);
+                let lost = if fault::active(Fault::SunlitLoss) { 0.97 } else { 1.0 };
+                beta.iter_mut()
+                    .for_each(|b| *b = brightness_factor(lost * *b, *cos_i).0);
                 beta
             })
             .collect()

@@ -6,6 +6,7 @@ use crate::transport::{Purpose, Stream};
 use crate::yarn::{ResponseWeights, WeightTally, YarnResponse};
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
+use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
 /// Strata of the hemisphere of views, even in cos²θ and azimuth, and of the cell, a side.
@@ -71,30 +72,43 @@ pub fn white_albedo(plan: &Plan, theta_i_deg: f64) -> Result<f64, RigError> {
     Ok(sides.iter().sum())
 }
 
-/// What the user of a result should know where the study shades with f* at incidences of which [`white_albedo`] exceeds 1.
+/// An incidence of which shading with f* gains energy.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct GrazingGain {
+    pub theta_i_deg: f64,
+    /// Above 1: see [`white_albedo`].
+    pub white_albedo: f64,
+}
+
+/// Incidences of which [`white_albedo`] exceeds 1, where the study shades with f*.
 ///
 /// # Errors
 /// None for a study that a plan was made of.
-pub fn grazing_notice(plan: &Plan) -> Result<Option<String>, RigError> {
+pub fn grazing_gains(plan: &Plan) -> Result<Vec<GrazingGain>, RigError> {
     if plan.study.cloth.method == MethodChoice::Volumetric {
-        return Ok(None);
+        return Ok(Vec::new());
     }
     let incidences = plan.rig.incidences_deg();
     let albedos: Vec<f64> = incidences
         .par_iter()
         .map(|&theta_i_deg| white_albedo(plan, theta_i_deg))
         .collect::<Result<_, _>>()?;
-    let gains: Vec<String> = incidences
-        .iter()
-        .zip(albedos)
-        .filter(|(_, albedo)| *albedo > 1.0)
-        .map(|(theta_i_deg, albedo)| format!("{theta_i_deg} deg (factor {albedo:.2})"))
-        .collect();
-    Ok((!gains.is_empty()).then(|| {
+    let gain = |(&theta_i_deg, white_albedo)| GrazingGain {
+        theta_i_deg,
+        white_albedo,
+    };
+    let all = incidences.iter().zip(albedos).map(gain);
+    Ok(all.filter(|gain| gain.white_albedo > 1.0).collect())
+}
+
+/// What the user of a result should know of them.
+pub fn grazing_notice(gains: &[GrazingGain]) -> Option<String> {
+    let at = |gain: &GrazingGain| format!("{} deg (factor {:.2})", gain.theta_i_deg, gain.white_albedo);
+    (!gains.is_empty()).then(|| {
         format!(
             "shading with f* gains energy at grazing incidence: a white cloth would send out more light than falls on it at {}; \
              brightness factors there are too high, method = \"volumetric\" in [cloth] has no such limit",
-            gains.join(", ")
+            gains.iter().map(at).collect::<Vec<_>>().join(", ")
         )
-    }))
+    })
 }

@@ -1,6 +1,7 @@
 use super::{Plan, Progress, RunError};
 use crate::cloth::{System, Tubes};
 use crate::compare::Geometry;
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use crate::rig::{omega_in, omega_out};
 use crate::spectrum::Samples;
@@ -10,7 +11,7 @@ use rayon::prelude::*;
 use std::iter::zip;
 
 /// Light that comes onto the cloth at one of the rig's angles, and the views that look at it.
-pub(super) struct LitViews {
+pub(crate) struct LitViews {
     pub beam: Beam,
     pub cones: ViewCones,
     /// Of the views among the geometries.
@@ -123,12 +124,13 @@ impl<'a> VolumetricCloth<'a> {
     }
 
     /// β of all light at the views of each incidence, and where the light went.
-    pub(super) fn brightness(&self, lit: &[LitViews], batch: usize) -> Vec<LitBatch> {
+    pub(crate) fn brightness(&self, lit: &[LitViews], batch: usize) -> Vec<LitBatch> {
         lit.par_iter()
             .map(|LitViews { beam, cones, .. }| {
                 let ClothBatch { ledger, mut caught } = self.batch(beam, cones, batch);
                 for (k, caught) in caught.iter_mut().enumerate() {
-                    let factor = std::f64::consts::PI / cones.projected_solid_angle(k);
+                    let lost = if fault::active(Fault::ApertureLoss) { 0.97 } else { 1.0 };
+                    let factor = lost * std::f64::consts::PI / cones.projected_solid_angle(k);
                     caught.iter_mut().for_each(|c| *c *= factor);
                 }
                 LitBatch { beta: caught, ledger }
@@ -199,7 +201,7 @@ impl<'a> FactorCloth<'a> {
 }
 
 /// What one batch of light from one incidence gives.
-pub(super) struct LitBatch {
+pub(crate) struct LitBatch {
     /// [view][wavelength].
     pub beta: Vec<Vec<f64>>,
     /// At each wavelength.
@@ -287,6 +289,7 @@ impl<'a> LightBetween<'a> {
                     .map(|(_, sight)| sight)
                     .collect(),
                 cones,
+                sunlit: true,
             };
             let (beta, ledger) = light.between(beam, &onlookers, batch, self.particles);
             LitBatch { beta, ledger }

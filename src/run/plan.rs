@@ -282,7 +282,8 @@ impl Plan {
 
     /// Of warp and weft.
     pub fn yarns(&self) -> [&Yarn; 2] {
-        [&self.yarn, self.weft.as_ref().unwrap_or(&self.yarn)]
+        let weft = self.weft.as_ref().filter(|_| !fault::active(Fault::WeftAsWarp));
+        [&self.yarn, weft.unwrap_or(&self.yarn)]
     }
 
     /// Those of them that differ, the warp's first: f* is traced once for each.

@@ -1,7 +1,9 @@
 use super::curves::{channels, directions};
 use super::light::{LightBetween, lit_views};
 use super::readings::{NORMAL, count, incidences_of, readings};
-use super::{CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows, grazing_notice};
+use super::{
+    CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows, grazing_gains, grazing_notice,
+};
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{
     self, Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, HueComparison, Inputs, Propagation,
@@ -30,7 +32,7 @@ pub fn report(
     progress: Progress,
 ) -> Result<ReportData, RunError> {
     let mut notices = notices;
-    notices.extend(grazing_notice(plan)?);
+    notices.extend(grazing_notice(&grazing_gains(plan)?));
     notices.extend(plan.notices());
     notices.extend(plan.colour_notices()?);
     let mut fallbacks = Vec::new();

@@ -21,10 +21,11 @@ impl Distribution {
         if cos_alpha <= 0.0 {
             return 0.0;
         }
+        let wide = if fault::active(Fault::FacetSlope) { 2.0 } else { 1.0 };
         let m2 = roughness * roughness;
         let cos2 = cos_alpha * cos_alpha;
         match self {
-            Self::Beckmann => (-(1.0 - cos2) / (cos2 * m2)).exp() / (PI * m2 * cos2 * cos2),
+            Self::Beckmann => (-(1.0 - cos2) / (wide * cos2 * m2)).exp() / (PI * m2 * cos2 * cos2),
             Self::TrowbridgeReitz => m2 / (PI * (1.0 + (m2 - 1.0) * cos2).powi(2)),
         }
     }

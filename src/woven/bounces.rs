@@ -5,6 +5,7 @@ use super::sights::{Places, Seen, Sight};
 use super::straight::Straight;
 use super::{Beam, ClothBatch, ClothLedger, Detector, ViewCones, YarnSurface};
 use crate::cloth::System;
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use crate::shading::FibreGloss;
 use crate::transport::{Purpose, Stream};
@@ -20,6 +21,8 @@ pub struct Onlookers<'a> {
     pub sights: Vec<&'a Sight>,
     /// About the same views.
     pub cones: &'a ViewCones,
+    /// Whether shading in the sun shows what a straight yarn scatters of the beam straight to a view: it is then left out here.
+    pub sunlit: bool,
 }
 
 /// What of the particles' light goes to one view.
@@ -53,7 +56,12 @@ impl Bounces<'_> {
         batch: usize,
         particles: usize,
     ) -> (Vec<Vec<f64>>, Vec<ClothLedger>) {
-        let Onlookers { places, sights, cones } = onlookers;
+        let Onlookers {
+            places,
+            sights,
+            cones,
+            sunlit,
+        } = onlookers;
         let mut views: Vec<Flux> = (sights.iter().zip(cones.views()))
             .map(|(sight, view)| Flux {
                 sight,
@@ -62,12 +70,13 @@ impl Bounces<'_> {
                 gloss: vec![0.0; self.wavelengths()],
             })
             .collect();
-        let watched = Some((*places, &mut views[..]));
+        let watched = Some((*places, *sunlit, &mut views[..]));
         let ClothBatch { ledger, caught } = self.trace(beam, *cones, watched, batch, particles);
-        let straight = Straight::new(self).caught(beam, *cones, batch, STRAIGHT * particles);
+        let straight = self.straight(beam, *cones, batch, particles);
         let cell_mm2 = self.tubes.cell_mm().iter().product::<f64>();
         let of_view = |(k, view): (usize, Flux)| -> Vec<f64> {
-            let per_radiance = PI * cell_mm2 / (view.sight.rays * particles) as f64;
+            let gain = if fault::active(Fault::BetweenGain) { 1.1 } else { 1.0 };
+            let per_radiance = gain * PI * cell_mm2 / (view.sight.rays * particles) as f64;
             let per_gloss = PI / (view.towards.z.abs() * particles as f64);
             let per_caught = PI / cones.projected_solid_angle(k);
             let mut beta = self.bare_backing(beam, places, view.sight);
@@ -78,6 +87,11 @@ impl Bounces<'_> {
             beta
         };
         (views.into_iter().enumerate().map(of_view).collect(), ledger)
+    }
+
+    /// What `detector` catches of the light that surfaces alone turn, as a fraction of the beam: [bin][wavelength].
+    pub fn straight<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> Vec<Vec<f64>> {
+        Straight::new(self).caught(beam, detector, batch, STRAIGHT * particles)
     }
 
     /// Brightness factor of the backing where beam and view reach it past the yarns.
@@ -95,7 +109,7 @@ impl Bounces<'_> {
         &self,
         beam: &Beam,
         detector: &D,
-        mut views: Option<(&Places, &mut [Flux])>,
+        mut views: Option<(&Places, bool, &mut [Flux])>,
         batch: usize,
         particles: usize,
     ) -> ClothBatch {
@@ -129,15 +143,18 @@ impl Bounces<'_> {
                         continue;
                     }
                     let entry = parts.enter(skin, arrival, weights);
-                    if let (YarnSurface::Fibres(gloss), Some((_, views))) = (&self.surface, &mut views) {
+                    if let (YarnSurface::Fibres(gloss), Some((_, _, views))) = (&self.surface, &mut views) {
                         self.show_gloss(gloss, arrival, &parts.out, views);
                     }
                     air.reflect(&self.surface, arrival, &parts.out);
                     self.cross((yarn, skin), arrival, &entry, &mut parts, &mut air, &mut rng);
                     let meeting = scatter.meet(&arrival.hit.frame.to_local(&arrival.omega_in));
-                    if let Some((places, views)) = &mut views {
+                    if let Some((places, sunlit, views)) = &mut views {
                         if arrival.past == Past::NONE {
-                            straight_yarn(yarn, skin, arrival, weights, &mut parts.out);
+                            parts.out.fill(0.0);
+                            if *sunlit {
+                                straight_yarn(yarn, skin, arrival, weights, &mut parts.out);
+                            }
                             for (beyond, inside) in parts.out.iter_mut().zip(&parts.inside) {
                                 *beyond = inside - *beyond;
                             }
@@ -150,7 +167,7 @@ impl Bounces<'_> {
             let mut landed = air.take_landed();
             for (landing, weights) in (landed.arrivals.iter()).zip(landed.weights.chunks_exact_mut(wavelengths)) {
                 air.send_back(landing, weights);
-                if let Some((places, views)) = &mut views {
+                if let Some((places, _, views)) = &mut views {
                     self.show_backing(landing, weights, places, views, &mut rng);
                 }
             }

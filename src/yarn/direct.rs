@@ -97,7 +97,8 @@ impl<'a> DirectTracer<'a> {
                 let entry = self.cells.entry(&light, &exit.entry);
                 let place = self.cells.transfer_cell(&light, entry, &exit.normal) - first_transfer;
                 let row = &mut transfer[place * wavelengths..][here.clone()];
-                add_scaled(row, exit.weights, per_path);
+                let share = per_path * if fault::active(Fault::PassageLoss) { 0.97 } else { 1.0 };
+                add_scaled(row, exit.weights, share);
                 if let Some(of) = &self.lengths {
                     let at = (cell * bins + of.bin(exit.length_mm)) * wavelengths;
                     add_single(&mut lengths.amount[at..][here.clone()], exit.weights, 1.0);

@@ -25,6 +25,7 @@ pub use reabsorption::{ByLength, Change, Reabsorption, Reweighted, Support};
 pub use response::YarnResponse;
 pub use response_grid::YarnResponseGrid;
 pub use response_weights::{ResponseWeights, WeightTally};
+pub(crate) use sampler::scattered_or_absorbed;
 pub use sampler::{Leaving, Meeting, YarnSampler, kept_by_straight_yarn};
 
 use crate::fault::{self, Fault};

@@ -1,5 +1,6 @@
 use super::response_cells::{LightSide, ResponseCells};
 use super::{Yarn, YarnError, YarnResponse, YarnResponseGrid};
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use crate::optics::fresnel::{self, Interface};
 use std::f64::consts::{PI, TAU};
@@ -203,7 +204,8 @@ impl YarnSampler {
 
     /// What the weights of light that is neither reflected nor ballistic are worth after the draw, at each wavelength.
     pub fn worth(&self, leaving: &Leaving) -> impl Iterator<Item = f64> {
-        let share = 1.0 / leaving.probability;
+        let gain = if fault::active(Fault::BounceGain) { 1.03 } else { 1.0 };
+        let share = gain / leaving.probability;
         self.rows(leaving.transfer, leaving.cell).map(move |x| x * share)
     }
 
@@ -288,12 +290,13 @@ pub fn kept_by_straight_yarn(yarn: &Yarn, w: usize, entry: &Interface, sine: f64
     let chord = 2.0 * yarn.cylinder.radius_mm() * entry.cos_t / across;
     let x = (-(medium.mu_s_per_mm()[w] + medium.mu_a_per_mm()[w]) * chord).exp();
     let (r, entering) = (entry.reflectance, 1.0 - entry.reflectance);
-    entering - entering * entering * x / (1.0 - r * x)
+    let high = if fault::active(Fault::EnteringHigh) { 1.03 } else { 1.0 };
+    high * (entering - entering * entering * x / (1.0 - r * x))
 }
 
 /// Of all light of a tilt cell, the part that comes in between two azimuths from the light's meridian, or at their mirror image, and is
 /// kept, at each wavelength: its mean over the sines of the tilts.
-fn scattered_or_absorbed(yarn: &Yarn, tilts: [f64; 2], [from, to]: [f64; 2]) -> Vec<f64> {
+pub(crate) fn scattered_or_absorbed(yarn: &Yarn, tilts: [f64; 2], [from, to]: [f64; 2]) -> Vec<f64> {
     let medium = &yarn.medium;
     let [low, high] = tilts.map(f64::sin);
     // The width as h = sin t, whose integrand stays smooth where the beam grazes.
