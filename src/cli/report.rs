@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     }
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     let plan = study::plan(study)?;
-    if let Some(notice) = plan.work_notice() {
+    if let Some(notice) = plan.work_notice(Stage::Views)? {
         terminal.notice(&notice);
     }
     let (plan, notice) = arguments.stopping.limits.split(plan, Stage::Views)?;
@@ -66,6 +66,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let mut names = file_names(incidences(&geometries));
     if arguments.approximations {
         names.extend(APPROXIMATIONS.map(str::to_owned));
+        run::check_approximations(&plan.study)?;
     }
     let folder = ReportFolder::prepare(&arguments.out, &names, &inputs, arguments.replace.force)?;
     let stopping = &arguments.stopping;

@@ -23,7 +23,7 @@ mod trace;
 mod watch;
 mod work;
 
-pub use approximations::{ApproximationRow, LocalityRow, approximations, locality};
+pub use approximations::{ApproximationRow, LocalityRow, approximations, check_approximations, locality};
 pub use artefact::{
     LengthTable, MediumValues, Shard, ShardError, Systematic, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings,
     merge_shards, trace_shard,
