@@ -323,6 +323,65 @@ fn until_reaches_the_precision_it_names() {
     approx::assert_relative_eq!(largest, reached, max_relative = 1e-9);
 }
 
+/// A sample of 45° alone: the report normalises at its reading nearest to the normal, and so does what is watched.
+#[test]
+fn until_watches_what_a_report_without_a_normal_reading_shows() {
+    let folder = scratch();
+    let mut sample = "theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b\n".to_owned();
+    for theta_v in [-40, -20, 0, 20, 40] {
+        sample += &format!("45,{theta_v},0.03,0.0004,0.003\n");
+    }
+    fs::write(folder.path().join("cloth.csv"), sample).unwrap();
+    let study = STUDY.replace("incidences_deg = [0, 30]", "incidences_deg = [45]");
+    fs::write(folder.path().join("study.toml"), study).unwrap();
+    run(folder.path(), &[&REPORT[..], &["--until", "rel 2%"]].concat());
+    let reached = effort(folder.path())["reached"]["largest_error"].as_f64().unwrap();
+    let mut largest = 0.0_f64;
+    let mut reference = 1.0;
+    for row in rows(&folder.path().join("out/curves.csv")) {
+        let number = |column: usize| row[column].parse::<f64>().unwrap();
+        if &row[2] == "model" && &row[3] == "y" {
+            match (number(0), number(1)) {
+                (45.0, 0.0) => reference = number(5),
+                _ => largest = largest.max(number(5) / number(4)),
+            }
+        }
+    }
+    assert!(reached <= 0.02, "{reached}");
+    // That of the curves, in which the reference has no error.
+    assert!(reference < 1e-12, "{reference}");
+    approx::assert_relative_eq!(largest, reached, max_relative = 1e-9);
+}
+
+/// Nothing scatters in yarns so thin: the run ends soon whatever precision it waits for, and says why.
+#[test]
+fn until_ends_where_its_precision_is_out_of_reach() {
+    let folder = scratch();
+    let study = format!("{STUDY}[yarn]\nradius_mm = 1e-6\n[specular]\nweight = 0\n");
+    fs::write(folder.path().join("study.toml"), study).unwrap();
+    let arguments = ["measure", "study.toml", "--out", "curves.csv", "--until", "rel 1%"];
+    let text = String::from_utf8(run(folder.path(), &arguments).stdout).unwrap();
+    assert!(
+        text.contains("stopped by precision out of reach") && text.contains("; ask for less")
+            || text.contains("stopped by nothing hit"),
+        "{text}"
+    );
+}
+
+/// A run with a time that is killed goes on with what is left of its batches, to the bytes of one without a break.
+#[test]
+fn a_killed_run_with_a_time_goes_on_to_the_same_bytes() {
+    let timed = [&REPORT[..], &["--max-time", "1h"]].concat();
+    let whole = scratch();
+    run(whole.path(), &timed);
+    let broken = scratch();
+    interrupt(broken.path(), &timed, STATE);
+    let notices = String::from_utf8(run(broken.path(), &[&timed[..], &["--resume"]].concat()).stderr).unwrap();
+    assert!(notices.contains("goes on after "), "{notices}");
+    assert!(files(whole.path()) == files(broken.path()));
+    assert_eq!(effort(broken.path())["stopped_by"], "paths");
+}
+
 #[test]
 fn typed_paths_end_a_run_that_waits_for_its_precision() {
     let folder = scratch();

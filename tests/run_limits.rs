@@ -100,3 +100,84 @@ fn nothing_hit_is_not_converged() {
         assert_eq!(rule.reached(64, || error(64, &some)), Some(StoppedBy::Precision));
     }
 }
+
+/// A full measurement by f* holds the tables of all batches.
+#[test]
+fn a_full_measurement_too_large_for_the_memory_is_refused() {
+    let stage = |by_factor| Stage::Full {
+        incidences: 20,
+        bins: 400,
+        by_factor,
+    };
+    let study = Study::from_toml("[trace]\nbatches = 2000\n", "my.toml").unwrap();
+    assert!(refuse_beyond(&study, stage(false), 2, FREE).is_ok());
+    let error = refuse_beyond(&study, stage(true), 2, FREE).unwrap_err().to_string();
+    assert!(
+        error.starts_with("my.toml, line 2: `trace.batches`: expected at most "),
+        "{error}"
+    );
+    assert!(refuse_beyond(&Study::default(), stage(true), 64, FREE).is_ok());
+}
+
+/// The time of a long run is told before it begins, with the key that makes it so; that of one without end is refused.
+#[test]
+fn long_runs_are_told_of_and_endless_ones_refused() {
+    let notice = |text: &str, stage| {
+        let plan = Plan::new(Study::from_toml(text, "my.toml").unwrap()).unwrap();
+        plan.work_notice(stage)
+    };
+    for stage in [Stage::Views, Stage::Yarn] {
+        assert_eq!(notice("", stage), Ok(None));
+    }
+    for (text, parts) in [
+        (
+            "[trace]\npaths_direct = 600000000\n",
+            &[" min on one core", "most of it for `trace.paths_direct` = 600000000"][..],
+        ),
+        (
+            "[medium]\nhost_index = 4\n",
+            &[" h on one core", "`host_index`", "index 4 "],
+        ),
+        (
+            "[rig]\npixels_per_side = 1000\n",
+            &[" min on one core", "`rig.pixels_per_side` = 1000"],
+        ),
+    ] {
+        let words = notice(text, Stage::Views).unwrap().expect(text);
+        for part in parts {
+            assert!(words.contains(part), "{part} is missing in {words}");
+        }
+    }
+    let endless = "[trace]\npaths_direct = 1000000000000\n[medium]\nparticle_index = 4\n";
+    let error = notice(endless, Stage::Views).unwrap_err().to_string();
+    assert!(error.starts_with("my.toml, line 2: `trace.paths_direct`: "), "{error}");
+    assert!(error.contains(" years on one core; reduce it"), "{error}");
+}
+
+/// Particles too large for a phase table: the message names the key, its line and what to do, also where a weft has it from the warp.
+#[test]
+fn errors_of_a_medium_name_the_line_of_the_key() {
+    let error = |text: &str| match Plan::new(Study::from_toml(text, "my.toml").unwrap()) {
+        Ok(_) => panic!("{text} is a plan"),
+        Err(error) => error.to_string(),
+    };
+    let spectrum = "[spectrum]\nwavelengths_nm = [400]\n";
+    for (text, place) in [
+        (
+            "[medium]\nparticle_diameter_nm = 20000\nhost_index = 4\nparticle_index = 1\n",
+            "my.toml, line 4: `medium.particle_diameter_nm`: ",
+        ),
+        (
+            "[medium]\ndye = \"preprint-red\"\n[weft]\nparticle_diameter_nm = 20000\nhost_index = 4\nparticle_index = 1\n",
+            "my.toml, line 6: `weft.particle_diameter_nm`: ",
+        ),
+        (
+            "[medium]\nparticle_diameter_nm = 20000\n[weft]\nhost_index = 4\nparticle_index = 1\n",
+            "my.toml, line 4: `medium.particle_diameter_nm`: ",
+        ),
+    ] {
+        let message = error(&format!("{spectrum}{text}"));
+        assert!(message.starts_with(place), "{message}");
+        assert!(message.contains("take smaller particles"), "{message}");
+    }
+}

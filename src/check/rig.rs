@@ -167,7 +167,7 @@ pub fn shading(context: &Context) -> Gate {
             let mut sum = 0.0;
             view_cell(&plan.cloth, &omega_out, &plan.pixels, &mut rng, |interaction| {
                 let light = interaction.and_then(|point| point.light(&plan.cloth, &omega_in));
-                let yarn = interaction.map_or(0, |point| point.hit.system().index().min(tables.len() - 1));
+                let yarn = interaction.map_or(0, |point| point.hit.system().index().min(responses.len() - 1));
                 sum += light.map_or(0.0, |light| of_yarn(yarn) * (1.0 - light.y * light.y).max(0.0).sqrt());
             });
             let mean = sum / plan.pixels.count() as f64;

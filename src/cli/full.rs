@@ -187,6 +187,7 @@ pub fn run(
         check_size(&cells, Format::Csv, Encoding::Text, &spectra, " or leave --errors out")?;
     }
     let measurement = FullMeasurement::new(cells, group, klems, batches, plan.study.seed, &plan.grid)?;
+    measurement.check_memory(&plan.study, method)?;
     let bsdf = match method {
         MethodChoice::Volumetric => {
             let tracing = terminal.progress("tracing the cloth");

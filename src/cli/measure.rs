@@ -96,7 +96,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         };
         let (files, terminal) = full::claim_files(out, &arguments.full, &inputs, &arguments.replace, options)?;
         let plan = study::plan(study)?;
-        for notice in plan.notices() {
+        for notice in plan.notices_before(Stage::Views)? {
             terminal.notice(&notice);
         }
         return full::run(&plan, method, &files, &arguments.full, options, &terminal);
@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     }
     let (places, terminal) = &claim(&outputs, &inputs, &arguments.replace, options)?;
     let (plan, split) = arguments.stopping.limits.split(study::plan(study)?, Stage::Views)?;
-    let mut notices = plan.notices();
+    let mut notices = plan.notices_before(Stage::Views)?;
     notices.extend(split);
     let grazing_gains = grazing_gains(&plan).map_err(RunError::from)?;
     notices.extend(grazing_notice(&grazing_gains));

@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         return Err(NoTransmission.into());
     }
     let plan = study::plan_with(study, arguments.chosen.into())?;
-    if let Some(notice) = plan.work_notice() {
+    if let Some(notice) = plan.work_notice(Stage::Views)? {
         terminal.notice(&notice);
     }
     let (plan, notice) = arguments.stopping.limits.split(plan, Stage::Views)?;
@@ -88,6 +88,9 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         incidences(geometries.iter().map(|geometry| geometry.theta_i_deg)),
         arguments.approximations,
     );
+    if arguments.approximations {
+        run::check_approximations(&plan.study)?;
+    }
     let folder = ReportFolder::prepare(&arguments.out, &names, &inputs, arguments.replace.force)?;
     let stopping = &arguments.stopping;
     let rule = stopping.rule(plan.direct_effort.batches, options);

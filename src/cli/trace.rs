@@ -42,7 +42,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     let (_, terminal) = &claim(&[&arguments.out], &inputs, &arguments.replace, options)?;
     let plan = study::plan(study)?;
-    for notice in plan.notices() {
+    for notice in plan.notices_before(Stage::Yarn)? {
         terminal.notice(&notice);
     }
     match arguments.shard {

@@ -1,7 +1,7 @@
 use num_complex::Complex64;
 
 use super::quadrature::gauss_legendre;
-use super::{Mie, OpticsError, Phase, PhaseTable, percus_yevick};
+use super::{Mie, OpticsError, Phase, PhaseTable, Property, percus_yevick};
 use crate::fault::{self, Fault};
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
@@ -120,9 +120,9 @@ impl Medium {
             }
         }
         for (i, &nm) in grid.nm().iter().enumerate() {
-            positive("host index", nm, host_index[i])?;
-            not_negative("mu_s in 1/mm", nm, mu_s_per_mm[i])?;
-            not_negative("mu_a in 1/mm", nm, mu_a_per_mm[i])?;
+            positive(Property::HostIndex, "host index", nm, host_index[i])?;
+            not_negative(Property::VolumeFraction, "mu_s in 1/mm", nm, mu_s_per_mm[i])?;
+            not_negative(Property::HostAbsorption, "mu_a in 1/mm", nm, mu_a_per_mm[i])?;
         }
         Ok(Self {
             grid: grid.clone(),
@@ -205,6 +205,7 @@ fn spheres(spec: &MediumSpec, grid: &WavelengthGrid) -> Result<Vec<Sphere>, Opti
     let (diameter_nm, fraction) = (spec.particle_diameter_nm, spec.volume_fraction);
     if !(diameter_nm.is_finite() && diameter_nm > 0.0) {
         return Err(OpticsError::domain(
+            Property::ParticleDiameter,
             "particle diameter in nm",
             "a number > 0",
             diameter_nm,
@@ -213,6 +214,7 @@ fn spheres(spec: &MediumSpec, grid: &WavelengthGrid) -> Result<Vec<Sphere>, Opti
     }
     if !(0.0..PACKING_LIMIT).contains(&fraction) {
         return Err(OpticsError::domain(
+            Property::VolumeFraction,
             "volume fraction",
             format!("within 0..{PACKING_LIMIT}, dimensionless"),
             fraction,
@@ -229,10 +231,10 @@ fn spheres(spec: &MediumSpec, grid: &WavelengthGrid) -> Result<Vec<Sphere>, Opti
     let (host, particle, kappa, host_mu_a) = (host?, particle?, kappa?, host_mu_a?);
     let mut spheres = Vec::with_capacity(grid.len());
     for (i, &nm) in grid.nm().iter().enumerate() {
-        let n_host = positive("host index", nm, host.values()[i])?;
-        let n = positive("particle index", nm, particle.values()[i])?;
-        let k = not_negative("particle kappa", nm, kappa.values()[i])?;
-        let added = not_negative("host mu_a in 1/mm", nm, host_mu_a.values()[i])?;
+        let n_host = positive(Property::HostIndex, "host index", nm, host.values()[i])?;
+        let n = positive(Property::ParticleIndex, "particle index", nm, particle.values()[i])?;
+        let k = not_negative(Property::ParticleAbsorption, "particle kappa", nm, kappa.values()[i])?;
+        let added = not_negative(Property::HostAbsorption, "host mu_a in 1/mm", nm, host_mu_a.values()[i])?;
         let in_host = if fault::active(Fault::VacuumSize) { 1.0 } else { n_host };
         let x = std::f64::consts::PI * diameter_nm * in_host / nm;
         let of_kappa = if fault::active(Fault::KappaAbsolute) {
@@ -362,12 +364,13 @@ fn assemble(grid: &WavelengthGrid, spheres: &[Sphere], phases: Vec<Phase>) -> Me
     }
 }
 
-fn positive(quantity: &str, wavelength_nm: f64, found: f64) -> Result<f64, OpticsError> {
+fn positive(of: Property, quantity: &str, wavelength_nm: f64, found: f64) -> Result<f64, OpticsError> {
     if found.is_finite() && found > 0.0 {
         return Ok(found);
     }
     let quantity = format!("{quantity} at {wavelength_nm} nm");
     Err(OpticsError::domain(
+        of,
         quantity,
         "a number > 0",
         found,
@@ -375,12 +378,13 @@ fn positive(quantity: &str, wavelength_nm: f64, found: f64) -> Result<f64, Optic
     ))
 }
 
-fn not_negative(quantity: &str, wavelength_nm: f64, found: f64) -> Result<f64, OpticsError> {
+fn not_negative(of: Property, quantity: &str, wavelength_nm: f64, found: f64) -> Result<f64, OpticsError> {
     if found.is_finite() && found >= 0.0 {
         return Ok(found);
     }
     let quantity = format!("{quantity} at {wavelength_nm} nm");
     Err(OpticsError::domain(
+        of,
         quantity,
         "a number >= 0",
         found,

@@ -19,7 +19,7 @@
 
 use num_complex::Complex64;
 
-use super::OpticsError;
+use super::{OpticsError, Property};
 use crate::fault::{self, Fault};
 
 /// Smallest accepted size parameter.
@@ -64,6 +64,7 @@ impl Mie {
         check_size(x)?;
         if !(m.re.is_finite() && m.re > 0.0) {
             return Err(OpticsError::domain(
+                Property::ParticleIndex,
                 "real part of the relative index m",
                 "a number > 0",
                 m.re,
@@ -72,6 +73,7 @@ impl Mie {
         }
         if !(m.im.is_finite() && m.im >= 0.0) {
             return Err(OpticsError::domain(
+                Property::ParticleAbsorption,
                 "imaginary part of the relative index m",
                 "a number >= 0",
                 m.im,
@@ -81,6 +83,7 @@ impl Mie {
         let internal = m.norm() * x;
         if internal > MAX_INTERNAL_SIZE {
             return Err(OpticsError::domain(
+                Property::ParticleDiameter,
                 "|m| x",
                 format!("at most {MAX_INTERNAL_SIZE:e}"),
                 internal,
@@ -175,6 +178,7 @@ fn check_size(x: f64) -> Result<(), OpticsError> {
     }
     let expected = format!("within {MIN_SIZE_PARAMETER:e}..={MAX_SIZE_PARAMETER:e}");
     Err(OpticsError::domain(
+        Property::ParticleDiameter,
         "size parameter x = π d n_host / λ",
         expected,
         x,

@@ -20,6 +20,7 @@ use crate::spectrum::SpectrumError;
 pub enum OpticsError {
     #[error("{quantity}: expected {expected}, found {found}; {remedy}")]
     Domain {
+        of: Property,
         quantity: String,
         expected: String,
         found: f64,
@@ -52,9 +53,50 @@ pub enum OpticsError {
     Spectrum(#[from] SpectrumError),
 }
 
+/// What a medium is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Property {
+    HostIndex,
+    HostAbsorption,
+    ParticleIndex,
+    ParticleAbsorption,
+    ParticleDiameter,
+    VolumeFraction,
+}
+
+impl Property {
+    /// The key that sets it in a section of a study.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::HostIndex => "host_index",
+            Self::HostAbsorption => "host_mu_a_per_mm",
+            Self::ParticleIndex => "particle_index",
+            Self::ParticleAbsorption => "kappa_peak",
+            Self::ParticleDiameter => "particle_diameter_nm",
+            Self::VolumeFraction => "volume_fraction",
+        }
+    }
+}
+
 impl OpticsError {
-    fn domain(quantity: impl Into<String>, expected: impl Into<String>, found: f64, remedy: impl Into<String>) -> Self {
+    /// The key of a study's medium that sets what is wrong. A phase function is that of particles too large or too small for it.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::Domain { of, .. } => of.key(),
+            Self::At { source, .. } => source.key(),
+            _ => Property::ParticleDiameter.key(),
+        }
+    }
+
+    fn domain(
+        of: Property,
+        quantity: impl Into<String>,
+        expected: impl Into<String>,
+        found: f64,
+        remedy: impl Into<String>,
+    ) -> Self {
         Self::Domain {
+            of,
             quantity: quantity.into(),
             expected: expected.into(),
             found,

@@ -220,7 +220,8 @@ pub struct EffortNote {
     /// Batches made, all of the same size.
     pub batches: usize,
     pub paths_per_batch: PathsPerBatch,
-    /// "paths", "precision" or "time"; "nothing hit" where a precision was asked for and all that it is of is 0 in every batch.
+    /// "paths", "precision" or "time"; "nothing hit" where a precision was asked for and all that it is of is 0 in every batch,
+    /// "precision out of reach" where it would take more batches than a run may make.
     pub stopped_by: Cow<'static, str>,
     pub asked: AskedEffort,
     pub reached: Option<ReachedPrecision>,

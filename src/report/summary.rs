@@ -105,8 +105,14 @@ pub fn effort_line(effort: &EffortNote) -> String {
             None => format!("; the {of} are not all known: no light was hit at some"),
         }
     });
+    let remedy = match effort.stopped_by.as_ref() {
+        "precision out of reach" => {
+            "; ask for less, or trace more --paths, which are then the limit, or set --max-time"
+        }
+        _ => "",
+    };
     format!(
-        "effort: {} batches, each of {} paths a tilt and {} a direction of the ledger; stopped by {} (asked: {}){reached}",
+        "effort: {} batches, each of {} paths a tilt and {} a direction of the ledger; stopped by {} (asked: {}){reached}{remedy}",
         effort.batches,
         effort.paths_per_batch.direct,
         effort.paths_per_batch.bssrdf,

@@ -1,12 +1,12 @@
 use super::curves::{channels, directions};
 use super::readings::{NORMAL, report_geometries};
-use super::{Plan, Progress, RunError, Simulator, SpectralCurves};
+use super::{Plan, Progress, RunError, Simulator, SpectralCurves, Stage, check_memory};
 use crate::compare::{Channel, Channels};
 use crate::geometry::Vec3;
 use crate::report::{ApproximationRow, Approximations, LocalityRow};
 use crate::sample::Reading;
 use crate::shading::{Classical, ShadingModel};
-use crate::study::{Bounces, MethodChoice, Study};
+use crate::study::{Bounces, MethodChoice, Study, StudyError};
 use crate::transport::{Entry, Estimate, Purpose, Stream, Walk};
 use crate::yarn::Sharing;
 use std::iter::zip;
@@ -17,6 +17,24 @@ fn variant(study: &Study, method: MethodChoice, bounces: Bounces) -> Study {
     study.cloth.method = method;
     study.cloth.bounces = bounces;
     study
+}
+
+/// Every way to follow light in the cloth that is compared.
+const VARIANTS: [(MethodChoice, Bounces); 3] = [
+    (MethodChoice::Volumetric, Bounces::ALL),
+    (MethodChoice::RadianceFactor, Bounces::Most(0)),
+    (MethodChoice::RadianceFactor, Bounces::ALL),
+];
+
+/// [`check_memory`] of what [`approximations`] simulates.
+///
+/// # Errors
+/// As [`check_memory`].
+pub fn check_approximations(study: &Study) -> Result<(), StudyError> {
+    for (method, bounces) in VARIANTS {
+        check_memory(&variant(study, method, bounces), Stage::Views)?;
+    }
+    Ok(())
 }
 
 /// What each approximation of the light in the cloth costs, with the study's effort for each.
@@ -33,9 +51,8 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Approximations,
         }
         Ok(SpectralCurves::new(&plan, geometries.clone(), diffuse).channels(&plan.colour, true))
     };
-    let volumetric = simulated(MethodChoice::Volumetric, Bounces::ALL)?;
-    let direct = simulated(MethodChoice::RadianceFactor, Bounces::Most(0))?;
-    let all = simulated(MethodChoice::RadianceFactor, Bounces::ALL)?;
+    let [volumetric, direct, all] = VARIANTS.map(|(method, bounces)| simulated(method, bounces));
+    let (volumetric, direct, all) = (volumetric?, direct?, all?);
     let mut readings: Vec<Option<Reading>> = Vec::new();
     for g in &geometries {
         readings.push(

@@ -12,15 +12,31 @@ pub enum Stage {
     Views,
     /// The yarn alone: `trace`.
     Yarn,
+    /// The whole BSDF of the cloth: `measure --full`, of so many incidences that are traced, each caught in so many bins; by f*, whose
+    /// tables of all batches are then held, or through the media.
+    Full {
+        incidences: usize,
+        bins: usize,
+        by_factor: bool,
+    },
 }
 
 /// Bytes that are taken for free where the system does not say.
 const UNKNOWN_FREE: f64 = 4e9;
+/// Bytes of program, cloth and built-in tables.
+const PROGRAM: f64 = 25e6;
 /// Bytes of a camera ray's end with its place among the exit directions, and of an end of a view's ray with its position.
 const CAMERA_RAY: f64 = 320.0;
 const SIGHT: f64 = 170.0;
-/// Rays of a view where light goes from yarn to yarn.
+/// Rays of a view where light goes from yarn to yarn, at most.
 const SIGHTS: f64 = 4096.0;
+/// Cells of f* that a camera ray weighs, and bytes of each.
+const CELLS_OF_RAY: f64 = 12.0;
+const WEIGHT: f64 = 12.0;
+/// Of a table of f*, what scattering by it from yarn to yarn takes besides.
+const SCATTER: f64 = 0.5;
+/// Bytes of a row of the energy ledger with its texts.
+const ENERGY_ROW: f64 = 1000.0;
 /// Places on the section where light enters, of each of which f* has where it leaves.
 const ENTRIES: f64 = 9.0;
 
@@ -163,32 +179,54 @@ pub fn bytes(study: &Study, stage: Stage, threads: usize) -> f64 {
         * (n(trace.z_cells) + 2.0)
         * n(trace.bssrdf_exit_theta_cells)
         * n(trace.bssrdf_exit_phi_cells);
-    // Fractions of all directions, and f* of as many as are held at once.
-    let of_patch = 8.0 * bssrdf + 8.0 * table;
+    // Fractions of all directions, and those tilts of f* that the directions reach which are held at once.
+    let of_patch = 8.0 * bssrdf + 2.0 * table;
     let ledgers = n(trace.batches) * directions * wavelengths * 100.0;
     match stage {
         Stage::Yarn => {
             let lengths = LengthBins::DEFAULT as f64 * wavelengths * cells;
             // Single precision of a batch, sums and squares; f* by both roads; amounts and moments of the lengths, of the tilts one by
             // one and together, and their sums.
-            of_patch + 20.0 * bssrdf + 8.0 * table + 28.0 * lengths + ledgers
+            PROGRAM + of_patch + 20.0 * bssrdf + 8.0 * table + 28.0 * lengths + ledgers
+        }
+        Stage::Full {
+            incidences,
+            bins,
+            by_factor,
+        } => {
+            let values = bins as f64 * wavelengths;
+            let tables = match by_factor {
+                true => yarns * table * (n(trace.batches) * (1.0 + SCATTER) + 2.0),
+                false => 0.0,
+            };
+            // Of each incidence sums, squares and what is written of it; of those under way every batch.
+            PROGRAM + tables + incidences as f64 * values * 60.0 + threads * n(trace.batches) * values * 8.0
         }
         Stage::Views => {
-            let round = Simulator::ROUND as f64;
             let [views, incidences] = [study.rig.views_deg().len(), study.rig.incidences_deg.len()].map(|n| n as f64);
             let pixels = n(study.rig.pixels_per_side).powi(2);
-            let shading = match (study.cloth.method, trace.shade_with) {
+            // Of each batch under way: the tables of all yarns, of one of them once more while its tilts are put together, and what
+            // the camera saw.
+            let direct = (yarns + 1.0) * table + 9.0 * yarns * cells;
+            let camera = |geometries: f64| geometries * WEIGHT * cells.min(CELLS_OF_RAY * pixels);
+            let between =
+                |views: f64| SCATTER * yarns * table + views * SIGHTS.min(4.0 * pixels) * (SIGHT + 4.0 * wavelengths);
+            let goes_on = study.cloth.bounces.most() > 0
+                || study.specular.surface.is_of_yarns()
+                || !["none", "black"].contains(&study.cloth.backing.as_str());
+            let seen = camera(views * incidences) + if goes_on { between(views) } else { 0.0 };
+            let simulated = match (study.cloth.method, trace.shade_with) {
                 (MethodChoice::Volumetric, _) => 0.0,
-                (_, ShadeWith::Direct) => 2.0 * round * yarns * table,
-                (_, ShadeWith::Bssrdf) => round * yarns * (of_patch + table),
+                (_, ShadeWith::Direct) => direct + seen,
+                (_, ShadeWith::Bssrdf) => direct + yarns * of_patch + seen,
             };
-            // Of light between the yarns, of which Table 1 always has a row.
-            let between = 3.0 * yarns * table * round + round * views * SIGHTS * (SIGHT + 4.0 * wavelengths);
-            let tallies = threads * yarns * 9.0 * cells;
-            let weights = round * views * incidences * 12.0 * cells.min(64.0 * pixels);
-            let camera = threads * pixels * CAMERA_RAY;
+            let rays = threads * pixels * CAMERA_RAY;
+            // Table 1 has rows of light between the yarns, of one batch at a time at one geometry.
+            let at_normal = direct + camera(1.0) + between(1.0) + rays;
+            let under_way = threads.min(Simulator::ROUND as f64);
             let kept = n(trace.batches) * views * incidences * wavelengths * 24.0;
-            shading + between + tallies + weights + camera + kept + ledgers
+            let rows = n(trace.zenith_cells) * n(trace.azimuth_cells) * wavelengths * ENERGY_ROW;
+            PROGRAM + at_normal.max(under_way * simulated + rays) + kept + ledgers + rows
         }
     }
 }

@@ -23,7 +23,7 @@ mod trace;
 mod watch;
 mod work;
 
-pub use approximations::approximations;
+pub use approximations::{approximations, check_approximations};
 pub use artefact::{
     LengthTable, MediumValues, Shard, ShardError, Systematic, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings,
     merge_shards, trace_shard,

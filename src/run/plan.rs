@@ -1,4 +1,4 @@
-use super::cloth_keys;
+use super::{Stage, cloth_keys};
 use crate::artefact::ArtefactError;
 use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Weave};
 use crate::colour::{ColourError, ColourSystem, Convention};
@@ -49,8 +49,13 @@ pub enum RunError {
     At { place: Box<Place>, source: Box<RunError> },
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
-    #[error(transparent)]
-    Optics(#[from] OpticsError),
+    /// A medium that its keys do not make; `key` is the one that the error is of.
+    #[error("`{section}.{key}`: {source}")]
+    Medium {
+        section: &'static str,
+        key: &'static str,
+        source: Box<OpticsError>,
+    },
     #[error(transparent)]
     Yarn(#[from] YarnError),
     #[error(transparent)]
@@ -107,11 +112,21 @@ impl RunError {
         }
     }
 
+    /// The error of a medium in the section that sets what is wrong: a weft has from the warp what it does not set.
+    fn of_section(self, section: &'static str, study: &Study) -> Self {
+        match self {
+            Self::Medium { key, source, .. } if section == "weft" && study.weft.sets(key) => {
+                Self::Medium { section, key, source }
+            }
+            other => other,
+        }
+    }
+
     /// With the place of the key that the error is of, if it has one there.
     fn at(self, origin: &Origin) -> Self {
         let key = match &self {
             Self::Dye { section, .. } => format!("{section}.dye"),
-            Self::Table { section, key, .. } => format!("{section}.{key}"),
+            Self::Table { section, key, .. } | Self::Medium { section, key, .. } => format!("{section}.{key}"),
             Self::Backing { .. } => "cloth.backing".into(),
             Self::Draft(_) => "weave.draft".into(),
             Self::Sample(_) => "measured.sample".into(),
@@ -195,7 +210,7 @@ impl Plan {
         let specular = &study.specular;
         let pixels = study.rig.pixels_per_side as usize;
         Ok(Self {
-            yarn: yarn(&study, study.yarn.radius_mm, &study.medium, spectra, &grid)?,
+            yarn: yarn(&study, "medium", study.yarn.radius_mm, &study.medium, spectra, &grid)?,
             weft,
             incident: incident_grid(trace)?,
             bssrdf_surface: bssrdf_surface(trace)?,
@@ -228,8 +243,18 @@ impl Plan {
     /// What makes numbers of this study doubtful whatever is done with them, for the user.
     pub fn notices(&self) -> Vec<String> {
         let mut notices = unit_notices(&self.study);
-        notices.extend(self.work_notice());
+        notices.extend(self.long_paths());
         notices
+    }
+
+    /// The same before the work, and how long that will be.
+    ///
+    /// # Errors
+    /// As [`Plan::work_notice`].
+    pub fn notices_before(&self, stage: Stage) -> Result<Vec<String>, StudyError> {
+        let mut notices = unit_notices(&self.study);
+        notices.extend(self.work_notice(stage)?);
+        Ok(notices)
     }
 
     /// What makes the colours of model and sample doubtful, for the user; what needs no colour needs none of it.
@@ -264,6 +289,7 @@ impl Plan {
     pub fn yarn_of(&self, medium: &MediumSection) -> Result<Yarn, RunError> {
         yarn(
             &self.study,
+            "medium",
             self.study.yarn.radius_mm,
             medium,
             MediumSpectra::read("medium", medium, &self.grid)?,
@@ -352,11 +378,12 @@ fn weft(study: &Study, grid: &WavelengthGrid, inputs: &mut Vec<InputDigest>) -> 
         name: format!("weft {}", digest.name),
         ..digest
     }));
-    Ok(Some(yarn(study, radius_mm, &medium, spectra, grid)?))
+    Ok(Some(yarn(study, "weft", radius_mm, &medium, spectra, grid)?))
 }
 
 fn yarn(
     study: &Study,
+    section: &'static str,
     radius_mm: f64,
     medium: &MediumSection,
     spectra: MediumSpectra,
@@ -367,7 +394,7 @@ fn yarn(
         Roulette::new(study.trace.roulette_threshold, study.trace.roulette_survival).map_err(YarnError::from)?;
     Ok(Yarn {
         cylinder,
-        medium: medium_of(medium, spectra, grid)?,
+        medium: medium_of(medium, spectra, grid).map_err(|error| error.of_section(section, study))?,
         roulette,
         estimator: match study.trace.estimator {
             EstimatorChoice::Shared => Estimator::Shared,
@@ -423,9 +450,13 @@ impl MediumSpectra {
     }
 }
 
-/// The medium of a study's section on a grid.
+/// The medium of a study's section on a grid; errors are those of the warp's.
 fn medium_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) -> Result<Medium, RunError> {
-    Ok(Medium::new(&spec_of(of, spectra, grid)?, grid)?)
+    Medium::new(&spec_of(of, spectra, grid)?, grid).map_err(|source| RunError::Medium {
+        section: "medium",
+        key: source.key(),
+        source: Box::new(source),
+    })
 }
 
 fn spec_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) -> Result<MediumSpec, RunError> {

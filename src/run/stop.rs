@@ -22,6 +22,8 @@ pub enum StoppedBy {
     Time,
     /// All that the precision is of is 0 in every batch.
     NothingHit,
+    /// By the errors so far the precision would take more batches than [`StopRule::MOST`].
+    OutOfReach,
 }
 
 impl StoppedBy {
@@ -32,6 +34,7 @@ impl StoppedBy {
             Self::Precision => "precision",
             Self::Time => "time",
             Self::NothingHit => "nothing hit",
+            Self::OutOfReach => "precision out of reach",
         }
     }
 }
@@ -41,7 +44,7 @@ impl StopRule {
     pub const LEAST: usize = 2;
     /// Batches before precision is asked: the standard error of fewer is itself too uncertain (25 % of it with 8).
     pub const LEAST_FOR_PRECISION: usize = 8;
-    /// Batches after which what is 0 in each of them is no longer waited for.
+    /// Batches after which what is 0 in each of them is no longer waited for, nor a precision that is out of reach.
     pub const LEAST_FOR_NOTHING: usize = 64;
     /// Batches of a run that waits for its precision.
     pub const MOST: usize = 100_000;
@@ -69,7 +72,10 @@ impl StopRule {
             .precision
             .filter(|_| batches >= Self::LEAST_FOR_PRECISION)
             .and_then(|precision| match error() {
-                Some(error) => (error <= precision.tolerance.size()).then_some(StoppedBy::Precision),
+                Some(error) if error <= precision.tolerance.size() => Some(StoppedBy::Precision),
+                Some(error) => self
+                    .is_out_of_reach(batches, error / precision.tolerance.size())
+                    .then_some(StoppedBy::OutOfReach),
                 None => (batches >= Self::LEAST_FOR_NOTHING).then_some(StoppedBy::NothingHit),
             });
         if by_precision.is_some() {
@@ -79,6 +85,14 @@ impl StopRule {
         } else {
             None
         }
+    }
+
+    /// Whether nothing but the precision would end the run, and that not within [`Self::MOST`] batches: errors fall with the root of
+    /// their number. `times` is the error over the tolerance; one that is not known after so many batches never is.
+    fn is_out_of_reach(&self, batches: usize, times: f64) -> bool {
+        let needed = batches as f64 * times * times;
+        let open_end = self.batches >= Self::MOST && batches < self.batches && self.max_time.is_none();
+        open_end && batches >= Self::LEAST_FOR_NOTHING && (needed.is_nan() || needed > Self::MOST as f64)
     }
 
     /// Whether time is over; never before the least number of batches.

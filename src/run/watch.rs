@@ -1,7 +1,7 @@
 use super::curves::{channels, gloss};
-use super::readings::NORMAL;
+use super::readings::{NORMAL, readings};
 use super::{Plan, Precision, RunError, Tolerance, Watched};
-use crate::compare::Geometry;
+use crate::compare::{Channel, Geometry, reference};
 use crate::transport::Estimate;
 
 /// Keeps, batch by batch, the quantities whose standard errors a stop rule watches.
@@ -16,8 +16,8 @@ pub struct Watch<'a> {
     gloss: Vec<f64>,
     /// Place of normal incidence and view.
     normal: Option<usize>,
-    /// Measured luminance at the normal, where the curves are normalised to it.
-    measured: Option<f64>,
+    /// Place of the reading that the curves are normalised to, and its luminance.
+    reference: Option<(usize, f64)>,
     /// Whether diffuse light was seen at each geometry in any batch: gloss is known without.
     hit: Vec<bool>,
     /// Of each batch: luminance at each geometry, or linear RGB of the diffuse light at the normal.
@@ -43,18 +43,20 @@ impl<'a> Watch<'a> {
             }
             plan.colour.require()?;
         }
-        let reading = match normalised {
-            true => plan
-                .sample
-                .reading(NORMAL.theta_i_deg, NORMAL.theta_v_deg, plan.colour.convention())?,
-            false => None,
+        // As the report normalises: where there is no light there, its values are absolute.
+        let measured = match normalised {
+            true => readings(plan, geometries)?,
+            false => Vec::new(),
         };
+        let reference = reference(geometries, &measured)
+            .and_then(|place| Some((place, measured[place]?.beta[Channel::Y as usize])))
+            .filter(|(_, luminance)| *luminance > 0.0);
         Ok(Self {
             plan,
             precision,
             gloss: geometries.iter().map(|g| gloss(plan, *g)).collect(),
             normal,
-            measured: reading.map(|reading| reading.beta[3]),
+            reference,
             hit: vec![false; geometries.len()],
             batches: Vec::new(),
         })
@@ -97,16 +99,16 @@ impl<'a> Watch<'a> {
         }
         let of = |place: usize| self.batches.iter().map(move |batch| batch[place]);
         let unknown = Estimate { value: 0.0, se: 0.0 };
-        let estimates: Vec<Estimate> = match (self.precision.of, self.normal, self.measured) {
+        let estimates: Vec<Estimate> = match (self.precision.of, self.normal, self.reference) {
             (Watched::Scattered, ..) => return None,
             (Watched::Ratios, Some(normal), _) if !self.hit[normal] => vec![unknown],
             (Watched::Ratios, ..) => [2, 1].map(|channel| ratio(of(channel), of(0))).to_vec(),
-            (Watched::Curves, Some(normal), Some(measured)) => (0..self.gloss.len())
+            (Watched::Curves, _, Some((reference, measured))) => (0..self.gloss.len())
                 .map(|place| match place {
                     _ if !self.hit[place] => unknown,
-                    _ if place == normal => Estimate::from_batches(of(place)),
+                    _ if place == reference => Estimate::from_batches(of(place)),
                     _ => {
-                        let Estimate { value, se } = ratio(of(place), of(normal));
+                        let Estimate { value, se } = ratio(of(place), of(reference));
                         Estimate {
                             value: value * measured,
                             se: se * measured,

@@ -4,7 +4,7 @@
 use super::memory::Stage;
 use super::{Plan, RunError};
 use crate::number::shown;
-use crate::study::{MethodChoice, ShadeWith};
+use crate::study::{MethodChoice, ShadeWith, Study, StudyError};
 use crate::yarn::{Estimator, Yarn};
 use std::time::Duration;
 
@@ -25,8 +25,39 @@ const SHARE_OF_TIME: f64 = 0.125;
 const LEAST_PATHS: u64 = 16;
 const MOST_BATCHES: u32 = 100_000;
 
-/// Particles met on a path from which on the user is told.
+/// Particles met on a path from which on the user is told, and seconds of a run on one core.
 const MANY_SCATTERINGS: f64 = 1000.0;
+const LONG: f64 = 60.0;
+/// Seconds of a run on one core beyond which it is not begun: a hundred years.
+const ENDLESS: f64 = 3.2e9;
+
+/// A key that makes a run longer, and how to count with the value that it has by default, where that is less.
+struct Load {
+    key: &'static str,
+    value: fn(&Study) -> u64,
+    reduce: fn(&mut Study, &Study),
+}
+
+macro_rules! load {
+    ($section:ident . $key:ident) => {
+        Load {
+            key: concat!(stringify!($section), ".", stringify!($key)),
+            value: |study| u64::from(study.$section.$key),
+            reduce: |study, default| study.$section.$key = study.$section.$key.min(default.$section.$key),
+        }
+    };
+}
+
+const LOADS: [Load; 8] = [
+    load!(trace.paths_direct),
+    load!(trace.paths_bssrdf),
+    load!(trace.particles),
+    load!(trace.particles_volumetric),
+    load!(trace.tilts),
+    load!(trace.zenith_cells),
+    load!(trace.azimuth_cells),
+    load!(rig.pixels_per_side),
+];
 
 impl Plan {
     /// Particles that a path meets in a yarn, in the mean and about. Of light that comes from everywhere and is not absorbed the mean
@@ -36,25 +67,87 @@ impl Plan {
         self.different_yarns().map(scatterings).fold(0.0, f64::max)
     }
 
-    /// That the medium makes paths long, in words.
-    pub fn work_notice(&self) -> Option<String> {
+    /// How long a run that takes long will be, in words, and what makes it so: of a study alone, on one core.
+    ///
+    /// # Errors
+    /// A run that would not end in a hundred years, by the key that makes it so long.
+    pub fn work_notice(&self, stage: Stage) -> Result<Option<String>, StudyError> {
         let particles = self.scatterings_per_path();
-        (particles > MANY_SCATTERINGS).then(|| {
-            let medium = |yarn: &Yarn| {
-                let strongest = yarn.medium.mu_s_per_mm().iter().copied().fold(0.0, f64::max);
-                let index = yarn.medium.host_index().iter().copied().fold(0.0, f64::max);
-                (strongest, index)
+        let seconds = self.seconds(&self.study, stage);
+        if seconds <= LONG && particles <= MANY_SCATTERINGS {
+            return Ok(None);
+        }
+        let default = Study::default();
+        let with_default = |load: &&Load| {
+            let mut study = self.study.clone();
+            (load.reduce)(&mut study, &default);
+            self.seconds(&study, stage)
+        };
+        // The key that lengthens the run most, if it lengthens it more than all of the others together.
+        let longest = LOADS.iter().min_by(|a, b| with_default(a).total_cmp(&with_default(b)));
+        let longest = longest.filter(|load| with_default(load) < 0.5 * seconds);
+        let takes = format!("by an estimate it takes {} on one core", time_in_words(seconds));
+        if seconds > ENDLESS {
+            let (key, found, remedy) = match longest {
+                Some(load) => (
+                    load.key.to_owned(),
+                    (load.value)(&self.study).to_string(),
+                    "reduce it".to_owned(),
+                ),
+                None => (
+                    "medium.volume_fraction".into(),
+                    shown(self.study.medium.volume_fraction),
+                    self.why_long(particles),
+                ),
             };
-            let (strongest, index) = self.different_yarns().map(medium).fold((0.0f64, 0.0f64), |a, b| (a.0.max(b.0), a.1.max(b.1)));
-            format!(
-                "a path meets about {} particles in a yarn (3 in the default study), so tracing takes that much longer: \
-                 mu_s is up to {} 1/mm, and of light in a host of index {} total reflection keeps most inside; bring `host_index` \
-                 nearer to `particle_index`, lower `volume_fraction`, or trace fewer paths",
-                shown(round_to_two(particles)),
-                shown(round_to_two(strongest)),
-                shown(index)
-            )
-        })
+            return Err(StudyError::Value {
+                place: self.study.origin.place(&key),
+                key,
+                expected: "a study that is traced within a hundred years".into(),
+                found: format!("{found}, with which {takes}"),
+                remedy,
+            });
+        }
+        let mut words = Vec::new();
+        if seconds > LONG {
+            words.push(format!("a long run: {takes}"));
+        }
+        words.extend(self.long_paths());
+        if let Some(load) = longest.filter(|_| seconds > LONG) {
+            words.push(format!("most of it for `{}` = {}", load.key, (load.value)(&self.study)));
+        }
+        Ok(Some(words.join("; ")))
+    }
+
+    /// That the medium makes paths long, in words.
+    pub(super) fn long_paths(&self) -> Option<String> {
+        let particles = self.scatterings_per_path();
+        (particles > MANY_SCATTERINGS).then(|| self.why_long(particles))
+    }
+
+    /// What the medium does to paths that are long in it.
+    fn why_long(&self, particles: f64) -> String {
+        let medium = |yarn: &Yarn| {
+            let strongest = yarn.medium.mu_s_per_mm().iter().copied().fold(0.0, f64::max);
+            let index = yarn.medium.host_index().iter().copied().fold(0.0, f64::max);
+            (strongest, index)
+        };
+        let media = self.different_yarns().map(medium);
+        let (strongest, index) = media.fold((0.0f64, 0.0f64), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+        format!(
+            "a path meets about {} particles in a yarn (3 in the default study), so tracing takes that much longer: \
+             mu_s is up to {} 1/mm, and of light in a host of index {} total reflection keeps most inside; bring `host_index` \
+             nearer to `particle_index`, lower `volume_fraction` or `radius_mm`, or trace fewer paths",
+            shown(round_to_two(particles)),
+            shown(round_to_two(strongest)),
+            shown(index)
+        )
+    }
+
+    /// Estimate of a run on one core, of this plan's media with the counts of a study.
+    fn seconds(&self, study: &Study, stage: Stage) -> f64 {
+        let (paths, fixed) = self.batch_seconds(study, stage);
+        f64::from(study.trace.batches) * (paths + fixed)
     }
 
     /// This plan with batches small enough that `limit` can be kept: a power of two times as many, each of so much fewer paths; and
@@ -64,7 +157,7 @@ impl Plan {
     /// None for a study that a plan was made of.
     pub fn split_for(self, limit: Duration, stage: Stage) -> Result<(Self, u32), RunError> {
         let allowed = SHARE_OF_TIME * limit.as_secs_f64();
-        let (paths, fixed) = self.batch_seconds(stage);
+        let (paths, fixed) = self.batch_seconds(&self.study, stage);
         let trace = &self.study.trace;
         let possible = |parts: u32| {
             let batches = trace.batches.saturating_mul(parts);
@@ -93,8 +186,8 @@ impl Plan {
     }
 
     /// Seconds of one batch on one core: those in proportion to its paths, and the others.
-    fn batch_seconds(&self, stage: Stage) -> (f64, f64) {
-        let trace = &self.study.trace;
+    fn batch_seconds(&self, study: &Study, stage: Stage) -> (f64, f64) {
+        let trace = &study.trace;
         let of_batch = |paths: u64| paths as f64 / f64::from(trace.batches);
         let wavelengths = self.grid.len() as f64;
         let many = (wavelengths / WAVELENGTHS).max(0.2);
@@ -104,11 +197,14 @@ impl Plan {
         };
         let paths: f64 = self.different_yarns().map(path).sum();
         let direct = of_batch(trace.paths_direct) * f64::from(trace.tilts) * paths;
-        let patch = of_batch(trace.paths_bssrdf) * self.incident.traced() as f64 * path(&self.yarn);
-        let incidences = self.rig.incidences_deg().len() as f64;
-        let camera = (self.pixels.count() * self.rig.views_deg().len()) as f64 * CAMERA_RAY;
-        match (stage, self.study.cloth.method, trace.shade_with) {
-            (Stage::Yarn, ..) => (direct + 2.0 * patch, 0.0),
+        let fold = if trace.fold_symmetry { 4 } else { 1 };
+        let directions = trace.zenith_cells * trace.azimuth_cells / fold;
+        let patch = of_batch(trace.paths_bssrdf) * f64::from(directions) * path(&self.yarn);
+        let incidences = study.rig.incidences_deg.len() as f64;
+        let pixels = f64::from(study.rig.pixels_per_side).powi(2);
+        let camera = pixels * study.rig.views_deg().len() as f64 * CAMERA_RAY;
+        match (stage, study.cloth.method, trace.shade_with) {
+            (Stage::Yarn | Stage::Full { .. }, ..) => (direct + 2.0 * patch, 0.0),
             (_, MethodChoice::Volumetric, _) => {
                 let particles = of_batch(trace.particles_volumetric) * incidences;
                 (patch + particles * (many * THROUGH_MEDIA + paths), 0.0)
@@ -144,4 +240,17 @@ fn scatterings(yarn: &Yarn) -> f64 {
 
 fn round_to_two(value: f64) -> f64 {
     format!("{value:.1e}").parse().unwrap_or(value)
+}
+
+/// A time as people say it, to two digits.
+fn time_in_words(seconds: f64) -> String {
+    const UNITS: [(f64, &str); 4] = [
+        (31_557_600.0, "years"),
+        (86_400.0, "days"),
+        (3600.0, "h"),
+        (60.0, "min"),
+    ];
+    let fits = UNITS.iter().find(|(size, _)| seconds >= 2.0 * size);
+    let (size, unit) = fits.copied().unwrap_or((1.0, "s"));
+    format!("about {} {unit}", shown(round_to_two(seconds / size)))
 }

@@ -151,6 +151,11 @@ impl WeftSection {
         *self == Self::default()
     }
 
+    /// Whether this key is set, in which the weft may differ from the warp.
+    pub fn sets(&self, key: &str) -> bool {
+        toml::Table::try_from(self).is_ok_and(|keys| keys.contains_key(key))
+    }
+
     /// The weft's medium, beside a warp's.
     pub fn medium(&self, warp: &MediumSection) -> MediumSection {
         let of = |own: &Option<NumberOrTable>, warp: &NumberOrTable| own.as_ref().unwrap_or(warp).clone();

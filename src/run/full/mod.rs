@@ -14,9 +14,10 @@ pub use hemispherical::HemisphericalRow;
 pub use symmetry::{Symmetry, symmetries};
 pub use tables::Colours;
 
-use super::{Progress, RunError};
+use super::{Progress, RunError, Stage, check_memory};
 use crate::formats::{Scatter, Side};
 use crate::spectrum::WavelengthGrid;
+use crate::study::{MethodChoice, Study, StudyError};
 use crate::transport::{BatchSums, Estimate, Purpose, Stream};
 use crate::woven::{Beam, ClothBatch};
 use rayon::prelude::*;
@@ -126,6 +127,19 @@ impl FullMeasurement {
             }
         }
         Orbits { traced, placed }
+    }
+
+    /// Refuses a measurement that the free memory does not hold.
+    ///
+    /// # Errors
+    /// As [`super::check_memory`].
+    pub fn check_memory(&self, study: &Study, method: MethodChoice) -> Result<(), StudyError> {
+        let stage = Stage::Full {
+            incidences: self.orbits().traced.len(),
+            bins: 2 * self.cells.count(),
+            by_factor: method == MethodChoice::RadianceFactor,
+        };
+        check_memory(study, stage)
     }
 
     /// Traces every batch of every incidence with `light`, which gives the numbered batch of a beam at all wavelengths and
