@@ -1,7 +1,7 @@
 //! Spectral validation of physically based cloth models.
 //!
 //! Data flows one way: spectra → medium → yarn → yarn response f* → cloth → rig → colour → comparison → report.
-//! The rooms from the ground up; each uses rooms above it in this list and none below it (`tests/structure.rs`).
+//! The rooms from the ground up; each uses rooms above it in this list and none below it (`tests/laws/structure.rs`).
 //!
 //! - `fault`: deliberate faults of the physics, for tests alone
 //! - `number`: numbers as people write them

@@ -1,0 +1,25 @@
+//! The program as a user runs it.
+
+#[path = "../support/batch_statistics.rs"]
+mod batch_statistics;
+#[path = "../support/command.rs"]
+mod command;
+#[path = "../support/golden.rs"]
+mod golden;
+
+mod check_gates;
+mod check_sample;
+mod commands;
+mod examples;
+mod formats;
+mod formats_usual;
+mod measure_full;
+mod memory;
+mod no_nan;
+mod outputs;
+mod reabsorption;
+mod report_chain;
+mod resume;
+mod run_limits;
+mod shards;
+mod woven;

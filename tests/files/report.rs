@@ -1,0 +1,213 @@
+//! The tables, the JSON document and the output folder.
+
+use crate::report_data::data;
+use specval::output::*;
+use specval::report::*;
+
+fn text(bytes: Vec<u8>) -> String {
+    String::from_utf8(bytes).unwrap()
+}
+
+#[test]
+fn headers_are_the_fixed_names_and_agree_with_the_rows() {
+    let data = data();
+    let tables = [
+        (
+            table1_csv(&data).unwrap(),
+            "row,blue_over_red,blue_over_red_se,green_over_red,green_over_red_se",
+            5,
+            serde_json::to_value(&data.table1[0]).unwrap(),
+        ),
+        (
+            curves_csv(&data).unwrap(),
+            "theta_i_deg,theta_v_deg,source,channel,beta,se",
+            3 * 27 * 3 * 4,
+            serde_json::to_value(data.curves[0]).unwrap(),
+        ),
+        (
+            energy_csv(&data).unwrap(),
+            "wavelength_nm,theta_in_deg,phi_in_deg,reflected,reflected_se,ballistic,ballistic_se,scattered,\
+             scattered_se,absorbed,absorbed_se,roulette,roulette_se,residual,residual_se,sharing,sharing_se",
+            2,
+            serde_json::to_value(&data.energy[0]).unwrap(),
+        ),
+    ];
+    for (bytes, header, rows, mut first) in tables {
+        // Which values were interpolated is not among the fixed names.
+        first.as_object_mut().unwrap().remove("interpolated");
+        let table = text(bytes);
+        let mut lines = table.lines();
+        assert_eq!(lines.next(), Some(header));
+        assert_eq!(lines.count(), rows);
+        // The first row, read back by column name, is the value the row was made from.
+        let mut reader = csv::Reader::from_reader(table.as_bytes());
+        let row: std::collections::HashMap<String, String> = reader.deserialize().next().unwrap().unwrap();
+        for (name, value) in first.as_object().unwrap() {
+            match value {
+                serde_json::Value::Number(number) => {
+                    assert_eq!(row[name].parse::<f64>().unwrap(), number.as_f64().unwrap(), "{name}")
+                }
+                serde_json::Value::String(word) => assert_eq!(&row[name], word, "{name}"),
+                _ => assert_eq!(row[name], "", "{name}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn numbers_are_the_shortest_that_read_back_exactly() {
+    let table = text(table1_csv(&data()).unwrap());
+    let model = table.lines().nth(3).unwrap();
+    let cells: Vec<&str> = model.split(',').collect();
+    assert_eq!((cells[0], cells[1]), ("model", "0.30000000000000004"));
+    let energy = text(energy_csv(&data()).unwrap());
+    assert!(energy.contains("0.3333333333333333,"), "{energy}");
+    assert!(energy.contains("-1e-17"), "{energy}");
+}
+
+#[test]
+fn a_missing_value_is_an_empty_cell_and_null() {
+    let table = text(table1_csv(&data()).unwrap());
+    assert_eq!(table.lines().nth(1), Some("published,0.08,,0.011,"));
+    let document: serde_json::Value = serde_json::from_str(&report_json(&data()).unwrap()).unwrap();
+    assert!(document["table1"][0]["blue_over_red_se"].is_null());
+}
+
+#[test]
+fn tables_without_rows_keep_their_header() {
+    let mut data = data();
+    data.energy.clear();
+    assert_eq!(text(energy_csv(&data).unwrap()).lines().count(), 1);
+}
+
+#[test]
+fn the_markdown_table_says_what_its_numbers_are() {
+    let markdown = table1_markdown(&data());
+    for expected in [
+        "| published[^published] | 0.08 | 0.011 |",
+        "| measured[^sample] | 0.0595 ± 0.0042 | 0.143 ± 0.010 |",
+        "| model range[^range] | 0.047 to 0.26 | -0.0004 to 0.0171 |",
+        "| CIE 1931 2°, E, CIE RGB, no adaptation | model | 0.30000000 ± 0.00000010 | 0.01200 ± 0.00040 |",
+        "fit of a measurement",
+        "CC-BY-SA-4.0",
+        "white of the published ratios are not stated there",
+        "the sweep stops at BLUE/RED 0.047",
+    ] {
+        assert!(markdown.contains(expected), "{expected} is missing in\n{markdown}");
+    }
+}
+
+#[test]
+fn report_json_has_the_fixed_fields() {
+    let document: serde_json::Value = serde_json::from_str(&report_json(&data()).unwrap()).unwrap();
+    assert_eq!(document["table1"][3]["row"], "model_low");
+    assert_eq!(document["normalisation"]["model"]["value"], 0.931);
+    assert_eq!(document["rmse"][1]["source"], "classical");
+    assert_eq!(document["rmse"][1]["channel"], "r");
+    assert_eq!(document["rmse"][1]["value"], 0.022);
+    assert_eq!(document["rmse"][1]["se"], 0.1 * 0.022);
+    assert_eq!(document["rmse_ratios"][0]["verdict"], "better");
+    let provenance = &document["provenance"];
+    assert_eq!(provenance["seed"], 1);
+    assert_eq!(provenance["effort"]["batches"], 24);
+    assert_eq!(provenance["effort"]["stopped_by"], "precision");
+    assert_eq!(provenance["effort"]["asked"]["until"], "rel 0.01 curves");
+    assert_eq!(provenance["effort"]["reached"]["largest_error"], 0.0098);
+    // FIPS 180-4, the digest of "abc".
+    assert_eq!(
+        provenance["inputs"][0]["sha256"],
+        "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+    );
+}
+
+#[test]
+fn the_terminal_summary_tells_verdicts_notices_and_fallbacks() {
+    let summary = summary(&data());
+    for expected in [
+        "0.0110 ± 0.0011",
+        "better (ratio 2, 95 % interval 1.3 to 2.9)",
+        "model multiplied by 0.931 ± 0.012",
+        "effort: 24 batches, each of 12500 paths a tilt and 1250 a direction of the ledger; stopped by precision (asked: rel \
+         0.01 curves, 60 s, 100000 batches at most); largest relative standard error of the curves: 0.0098",
+        "notice: the sweep stops",
+        "fallback: none asked for",
+    ] {
+        assert!(summary.contains(expected), "{expected} is missing in\n{summary}");
+    }
+}
+
+#[test]
+fn a_report_is_the_same_bytes_every_time_and_lands_whole() {
+    let data = data();
+    let files = render(&data).unwrap();
+    assert_eq!(files, render(&data).unwrap());
+    let scratch = tempfile::tempdir().unwrap();
+    let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
+    assert_eq!(names, file_names(3, false));
+    let folder = ReportFolder::prepare(&scratch.path().join("deep/er"), &names, &[], false).unwrap();
+    for _ in 0..2 {
+        folder.write(&files).unwrap();
+        let mut found: Vec<_> = std::fs::read_dir(folder.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        let mut expected = [&names[..], &["report.sha256".to_owned(), "specval.lock".to_owned()]].concat();
+        found.sort();
+        expected.sort();
+        assert_eq!(found, expected);
+    }
+    for file in &files {
+        assert_eq!(std::fs::read(folder.path().join(&file.name)).unwrap(), file.bytes);
+    }
+}
+
+#[test]
+fn a_file_in_the_way_is_found_before_anything_is_written() {
+    let scratch = tempfile::tempdir().unwrap();
+    let file = scratch.path().join("report");
+    std::fs::write(&file, "mine").unwrap();
+    for path in [file.clone(), file.join("inside")] {
+        let message = ReportFolder::prepare(&path, &[], &[], false).unwrap_err().to_string();
+        assert!(message.contains(&file.display().to_string()), "{message}");
+        assert!(message.contains("name another folder"), "{message}");
+    }
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "mine");
+}
+
+#[test]
+fn a_failed_write_leaves_the_earlier_report_alone() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = ReportFolder::prepare(scratch.path(), &[], &[], true).unwrap();
+    let file = |name: &str, bytes: &[u8]| NamedFile {
+        name: name.to_owned(),
+        bytes: bytes.to_vec(),
+    };
+    folder.write(&[file("a", b"old")]).unwrap();
+    std::fs::create_dir(scratch.path().join("b")).unwrap();
+    let error = folder.write(&[file("a", b"new"), file("b", b"new")]).unwrap_err();
+    assert!(matches!(error, OutputError::FolderInTheWay { .. }), "{error}");
+    assert_eq!(std::fs::read(scratch.path().join("a")).unwrap(), b"old");
+    // A name the file system refuses fails while staging; again nothing changes.
+    let error = folder
+        .write(&[file("a", b"new"), file(&"x".repeat(300), b"new")])
+        .unwrap_err();
+    assert!(matches!(error, OutputError::NotWritable { .. }), "{error}");
+    assert_eq!(std::fs::read(scratch.path().join("a")).unwrap(), b"old");
+    // Both, the record and the lock.
+    assert_eq!(std::fs::read_dir(scratch.path()).unwrap().count(), 4);
+}
+
+#[test]
+fn one_file_is_written_whole_or_not_at_all() {
+    let scratch = tempfile::tempdir().unwrap();
+    let path = scratch.path().join("curves.csv");
+    let write = |path: &std::path::Path, bytes: &[u8]| write_whole(&Place::find(path)?, bytes);
+    write(&path, b"first").unwrap();
+    write(&path, b"second").unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), b"second");
+    assert!(write(scratch.path(), b"").is_err());
+    let missing = scratch.path().join("none/curves.csv");
+    let message = write(&missing, b"").unwrap_err().to_string();
+    assert!(message.contains("none/curves.csv"), "{message}");
+    assert_eq!(std::fs::read_dir(scratch.path()).unwrap().count(), 1);
+}

@@ -1,0 +1,123 @@
+//! Graphs: what is in them, their size, and the odd cases.
+
+use crate::report_data::{SOURCES, curves, data, views};
+use specval::compare::{Channel, Source};
+use specval::report::*;
+
+fn decoded(png: &[u8]) -> (u32, u32, Vec<u8>) {
+    let mut reader = png::Decoder::new(png).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!(
+        (info.color_type, info.bit_depth),
+        (png::ColorType::Rgb, png::BitDepth::Eight)
+    );
+    (info.width, info.height, pixels)
+}
+
+/// Strokes of one colour in an SVG document.
+fn strokes(svg: &str, colour: &str) -> usize {
+    svg.matches(&format!("stroke=\"{colour}\"")).count()
+}
+
+const MODEL: &str = "#1446A0";
+const MEASURED: &str = "#191919";
+const CLASSICAL: &str = "#CD5500";
+
+#[test]
+fn three_incidences_give_the_six_graphs_of_the_preprint() {
+    let data = data();
+    let graphs = graphs(&data);
+    assert_eq!(graphs.iter().map(Graph::number).collect::<Vec<_>>(), [1, 2, 3, 4, 5, 6]);
+    for (graph, incidence) in graphs.iter().zip([0, 30, 60, 0, 30, 60]) {
+        let svg = graph.svg().unwrap();
+        assert!(svg.contains(&format!("Graph {}. Light at {incidence}°", graph.number())));
+        assert_eq!(strokes(&svg, CLASSICAL) > 0, graph.number() > 3);
+        // The measured curve is broken into dashes, the model's is not.
+        assert!(strokes(&svg, MEASURED) > 3 * strokes(&svg, MODEL));
+        for expected in [
+            "signed view angle, degrees",
+            "brightness factor β, –",
+            "measured (fit of a measurement)",
+            "bands: ±1 standard error",
+            "model × 0.931 ± 0.012",
+            "5 % standard uncertainty",
+        ] {
+            assert!(svg.contains(expected), "graph {}: {expected}", graph.number());
+        }
+    }
+}
+
+#[test]
+fn pictures_have_the_stated_size_and_are_not_blank() {
+    let data = data();
+    let graph = &graphs(&data)[3];
+    let svg = graph.svg().unwrap();
+    assert!(svg.starts_with("<svg width=\"1600\" height=\"1000\" viewBox=\"0 0 3200 2000\""));
+    let (width, height, pixels) = decoded(&graph.png().unwrap());
+    assert_eq!((width, height), (1600, 1000));
+    let inked = pixels.chunks(3).filter(|pixel| *pixel != [255, 255, 255]).count();
+    assert!(inked > 50_000, "{inked} pixels are not white");
+    for colour in [[20, 70, 160], [25, 25, 25], [205, 85, 0]] {
+        assert!(pixels.chunks(3).any(|pixel| pixel == colour), "{colour:?}");
+    }
+}
+
+#[test]
+fn graphs_are_the_same_bytes_every_time() {
+    let data = data();
+    let graph = &graphs(&data)[5];
+    assert_eq!(graph.svg().unwrap(), graph.svg().unwrap());
+    assert_eq!(graph.png().unwrap(), graph.png().unwrap());
+}
+
+#[test]
+fn numbering_follows_the_number_of_incidences() {
+    for incidences in [&[15.0][..], &[0.0, 20.0, 40.0, 75.0]] {
+        let mut data = data();
+        data.curves = curves(incidences, &views(), &SOURCES);
+        let graphs = graphs(&data);
+        assert_eq!(graphs.len(), 2 * incidences.len());
+        let first_with_classical = graphs[incidences.len()].svg().unwrap();
+        assert!(first_with_classical.contains(&format!("Graph {}. Light at {}°", incidences.len() + 1, incidences[0])));
+        assert!(strokes(&first_with_classical, CLASSICAL) > 0);
+    }
+}
+
+#[test]
+fn without_a_measured_curve_nothing_is_said_of_a_sample() {
+    let mut data = data();
+    data.curves = curves(&[30.0], &views(), &[Source::Model, Source::Classical]);
+    let svg = graphs(&data)[0].svg().unwrap();
+    assert!(svg.contains("Light at 30° from the normal: model"));
+    assert!(!svg.contains("MERL") && !svg.contains("measured (") && strokes(&svg, MEASURED) == 0);
+}
+
+#[test]
+fn negative_values_single_views_and_missing_numbers_are_drawn() {
+    let mut data = data();
+    for point in &mut data.curves {
+        if point.channel == Channel::G {
+            point.beta -= 0.0042;
+        }
+    }
+    let svg = graphs(&data)[0].svg().unwrap();
+    assert!(svg.contains("−0.0"), "the ordinates go below 0");
+
+    data.curves = curves(&[0.0], &[0.0], &SOURCES);
+    let svg = graphs(&data)[1].svg().unwrap();
+    for colour in [MODEL, MEASURED, CLASSICAL] {
+        assert!(strokes(&svg, colour) > 0, "{colour}");
+    }
+
+    data.curves = curves(&[0.0], &views(), &SOURCES);
+    for point in &mut data.curves {
+        point.se = f64::NAN;
+        if point.channel == Channel::R {
+            point.beta = f64::NAN;
+        }
+    }
+    let graphs = graphs(&data);
+    assert!(graphs[1].svg().unwrap().contains("R: no data"));
+    graphs[1].png().unwrap();
+}

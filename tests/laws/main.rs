@@ -1,0 +1,25 @@
+//! Laws: energy, reciprocity, normalisation, symmetry, statistics, and the order of the source itself.
+
+#[path = "../support/batch_statistics.rs"]
+mod batch_statistics;
+
+mod batches;
+mod cloth_geometry;
+mod cloth_gloss;
+mod cloth_media;
+mod cloth_rays;
+mod cloth_sections;
+mod cloth_tubes;
+mod coverage;
+mod estimators;
+mod fibre_gloss;
+mod rig_view;
+mod shading;
+mod stop_rules;
+mod structure;
+mod study;
+mod transport;
+mod woven;
+mod woven_views;
+mod yarn;
+mod yarn_scatter;
