@@ -19,6 +19,9 @@ const SHARED: Law = Law {
 
 /// Of what one shared path carries, which is reckoned in single precision.
 const SINGLE: f64 = 1e-5;
+/// Rounding of an optical depth in single precision, relative: a weight exp(−depth) is off by this times the deepest depth that it is
+/// weighed against.
+const ROUNDING: f64 = f32::EPSILON as f64;
 /// Of the light that crosses: less of it crosses by rounding. Where as little crosses at all, no path need.
 const STRAY: f64 = 1e-6;
 const DARK: f64 = 1e-6;
@@ -45,6 +48,8 @@ pub fn gates(context: &Context) -> Result<[Gate; 2], CheckError> {
         |_| middle,
         Estimator::Shared,
     )?);
+    let extinction = own.iter().zip(medium.mu_a_per_mm()).map(|(mu_s, mu_a)| mu_s + mu_a);
+    let deepest = 2.0 * plan.yarn.cylinder.radius_mm() * extinction.fold(0.0, f64::max);
     let gate = |law, departures: &[Departure], tolerance| {
         let values: Vec<f64> = departures.iter().map(|departure| departure.value).collect();
         judge.exact(law, &values, tolerance, |i| {
@@ -58,7 +63,7 @@ pub fn gates(context: &Context) -> Result<[Gate; 2], CheckError> {
     };
     Ok([
         gate(INDEPENDENT, &independent, plan.study.check.rounding),
-        gate(SHARED, &shared, SINGLE),
+        gate(SHARED, &shared, SINGLE.max(ROUNDING * deepest)),
     ])
 }
 

@@ -2,7 +2,7 @@ use super::inspect::Chosen;
 use super::{Failure, Options, Replace, Terminal, claim, help, inputs_of, study};
 use specval::check::{self, Baseline, CheckEffort, Checked, Verdict, annotations, junit, table};
 use specval::output::write_whole;
-use specval::run::{FileKind, sample_files};
+use specval::run::{FileKind, Stage, check_memory, sample_files};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -94,6 +94,10 @@ fn of_study(
         None => CheckEffort::standard(),
     };
     let plan = study::plan(study)?;
+    check_memory(&plan.study, Stage::Check)?;
+    if let Some(notice) = plan.long_paths() {
+        terminal.notice(&notice);
+    }
     let checking = terminal.progress("checking");
     let checked = check::study(&plan, effort, &|share| checking.advance(share));
     checking.finish();

@@ -78,9 +78,6 @@ pub fn read(path: &Path) -> Result<Study, LoadError> {
             error.as_bytes()[at]
         ))
     })?;
-    if text.trim().is_empty() {
-        return Err(refuse("an empty file, which would be the built-in study".into()));
-    }
     let study = Study::from_toml(&text, &path.display().to_string())?;
     Ok(study.at_folder(path.parent().unwrap_or(Path::new(""))))
 }

@@ -12,6 +12,8 @@ pub enum Stage {
     Views,
     /// The yarn alone: `trace`.
     Yarn,
+    /// Laws as gates: `check`.
+    Check,
     /// The whole BSDF of the cloth: `measure --full`, of so many incidences that are traced, each caught in so many bins; by f*, whose
     /// tables of all batches are then held, or through the media.
     Full {
@@ -183,6 +185,8 @@ pub fn bytes(study: &Study, stage: Stage, threads: usize) -> f64 {
     let of_patch = 8.0 * bssrdf + 2.0 * table;
     let ledgers = n(trace.batches) * directions * wavelengths * 100.0;
     match stage {
+        // One table of the yarn after the other, of which paths touch a part: an upper bound.
+        Stage::Check => PROGRAM + of_patch,
         Stage::Yarn => {
             let lengths = LengthBins::DEFAULT as f64 * wavelengths * cells;
             // Single precision of a batch, sums and squares; f* by both roads; amounts and moments of the lengths, of the tilts one by
@@ -205,9 +209,8 @@ pub fn bytes(study: &Study, stage: Stage, threads: usize) -> f64 {
         Stage::Views => {
             let [views, incidences] = [study.rig.views_deg().len(), study.rig.incidences_deg.len()].map(|n| n as f64);
             let pixels = n(study.rig.pixels_per_side).powi(2);
-            // Of each batch under way: the tables of all yarns, of one of them once more while its tilts are put together, and what
-            // the camera saw.
-            let direct = (yarns + 1.0) * table + 9.0 * yarns * cells;
+            // Of each batch under way: the tables of all yarns, and what the camera saw.
+            let direct = yarns * table + 9.0 * yarns * cells;
             let camera = |geometries: f64| geometries * WEIGHT * cells.min(CELLS_OF_RAY * pixels);
             let between =
                 |views: f64| SCATTER * yarns * table + views * SIGHTS.min(4.0 * pixels) * (SIGHT + 4.0 * wavelengths);

@@ -120,7 +120,7 @@ impl Plan {
     }
 
     /// That the medium makes paths long, in words.
-    pub(super) fn long_paths(&self) -> Option<String> {
+    pub fn long_paths(&self) -> Option<String> {
         let particles = self.scatterings_per_path();
         (particles > MANY_SCATTERINGS).then(|| self.why_long(particles))
     }
@@ -204,7 +204,7 @@ impl Plan {
         let pixels = f64::from(study.rig.pixels_per_side).powi(2);
         let camera = pixels * study.rig.views_deg().len() as f64 * CAMERA_RAY;
         match (stage, study.cloth.method, trace.shade_with) {
-            (Stage::Yarn | Stage::Full { .. }, ..) => (direct + 2.0 * patch, 0.0),
+            (Stage::Yarn | Stage::Check | Stage::Full { .. }, ..) => (direct + 2.0 * patch, 0.0),
             (_, MethodChoice::Volumetric, _) => {
                 let particles = of_batch(trace.particles_volumetric) * incidences;
                 (patch + particles * (many * THROUGH_MEDIA + paths), 0.0)

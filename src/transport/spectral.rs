@@ -109,7 +109,9 @@ impl<'a> Weights<'a> for Spectral<'a> {
             *as_hero = turns_over_reach(met, interior.turns()[group], transmittance);
             total = plus(total, *as_hero);
         }
-        let even = self.turns / sum(total);
+        // Where every hero does nothing but cross, nothing is left to carry.
+        let reach = sum(total);
+        let even = if reach > 0.0 { self.turns / reach } else { 0.0 };
         let carried = self.carried[row.clone()].iter_mut().zip(interior.taken());
         let carried = carried.zip(&*coming);
         for ((share, ((carried, taken), coming)), sharing) in share.iter_mut().zip(carried).zip(&mut self.sharing) {

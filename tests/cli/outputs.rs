@@ -256,6 +256,7 @@ fn a_report_takes_away_what_an_earlier_one_left_and_nothing_else() {
         "graph9.svg",
         "report.json",
         "report.sha256",
+        "result.json",
         "table1.csv",
         "table1.md",
     ];

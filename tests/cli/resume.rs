@@ -132,7 +132,7 @@ fn a_killed_report_goes_on_to_the_same_bytes() {
     let output = run(whole.path(), &REPORT);
     assert!(output.stderr.is_empty());
     let expected = files(whole.path());
-    assert_eq!(expected.len(), 6 + 2 * 4);
+    assert_eq!(expected.len(), 7 + 2 * 4);
     assert_eq!(effort(whole.path())["stopped_by"], "paths");
     assert_eq!(effort(whole.path())["batches"], 16);
 
