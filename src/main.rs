@@ -2,13 +2,15 @@
 
 mod cli;
 
-use clap::Parser;
 use cli::{Command, Terminal, TypedCommand};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let TypedCommand { command, options } = TypedCommand::parse();
+    let (TypedCommand { command, options }, notice) = TypedCommand::typed();
     let terminal = Terminal::new(&options);
+    if let Some(notice) = notice {
+        terminal.notice(notice);
+    }
     cli::exit(terminal.start_threads(&options).and_then(|()| {
         let done = match command {
             Command::Check(arguments) => return cli::check::run(&arguments, &options),
@@ -20,6 +22,7 @@ fn main() -> ExitCode {
             Command::Reabsorb(arguments) => cli::reabsorb::run(&arguments, &options),
             Command::Merge(arguments) => cli::merge::run(&arguments, &options),
             Command::Measure(arguments) => cli::measure::run(&arguments, &options),
+            Command::Bsdf(arguments) => cli::bsdf::run(&arguments, &options),
             Command::Validate(arguments) => cli::validate::run(&arguments, &options, &terminal),
             Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),
             Command::Inspect(arguments) => cli::inspect::run(&arguments, &terminal),

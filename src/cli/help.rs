@@ -30,9 +30,10 @@ pub const MERGE: &str = "Examples:
   specval merge --out yarn.trace shard-1 shard-2 shard-3";
 pub const MEASURE: &str = "Examples:
   specval measure study.toml --out curves.csv
-  specval measure study.toml --method volumetric --out truth.csv --paths 1e6
-  specval measure study.toml --full --out cloth.xml
-  specval measure study.toml --full --to ssdd-binary --out cloth.ssdd";
+  specval measure study.toml --method volumetric --out truth.csv --paths 1e6";
+pub const BSDF: &str = "Examples:
+  specval bsdf study.toml --out cloth.xml
+  specval bsdf study.toml --to ssdd-binary --out cloth.ssdd";
 pub const CHECK: &str = "Examples:
   specval check
   specval check study.toml --quick --junit gates.xml

@@ -1,4 +1,4 @@
-use super::{Failure, Options, Replace, Scratch, Stopping, claim, full, in_words, inputs_of, study};
+use super::{Failure, Options, Replace, Scratch, Stopping, claim, in_words, inputs_of, study};
 use serde::Serialize;
 use specval::output::{self, Place, beside, write_all};
 use specval::report::effort_line;
@@ -16,26 +16,33 @@ pub struct Arguments {
     /// Study file; without it the built-in study.
     #[arg(value_name = "STUDY")]
     study: Option<PathBuf>,
-    /// CSV file for the curves; with --full a file of any format that is written.
+    /// CSV file for the curves.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// How light in the cloth is simulated, instead of the study's `[cloth] method`; with --full volumetric unless said here.
+    /// How light in the cloth is simulated, instead of the study's `[cloth] method`.
     #[arg(long, value_enum, value_name = "METHOD")]
     method: Option<Method>,
     #[command(flatten)]
     replace: Replace,
     #[command(flatten)]
-    full: full::Arguments,
-    #[command(flatten)]
     stopping: Stopping,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Method {
+pub enum Method {
     /// Yarns scatter by their f*; `[cloth] bounces` says how often light goes on.
     RadianceFactor,
     /// Traced through the medium of every yarn that light meets.
     Volumetric,
+}
+
+impl Method {
+    pub fn choice(self) -> MethodChoice {
+        match self {
+            Self::RadianceFactor => MethodChoice::RadianceFactor,
+            Self::Volumetric => MethodChoice::Volumetric,
+        }
+    }
 }
 
 /// Where the light of one incidence and wavelength went.
@@ -81,26 +88,11 @@ struct Measured {
 
 pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let mut study = study::load(arguments.study.as_deref(), options)?;
-    match arguments.method {
-        Some(Method::RadianceFactor) => study.cloth.method = MethodChoice::RadianceFactor,
-        Some(Method::Volumetric) => study.cloth.method = MethodChoice::Volumetric,
-        None => {}
+    if let Some(method) = arguments.method {
+        study.cloth.method = method.choice();
     }
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     let out = arguments.out.as_path();
-    if arguments.full.full {
-        // The study's method is that of curves; a full BSDF is the ground truth unless asked otherwise.
-        let method = match arguments.method {
-            Some(Method::RadianceFactor) => MethodChoice::RadianceFactor,
-            Some(Method::Volumetric) | None => MethodChoice::Volumetric,
-        };
-        let (files, terminal) = full::claim_files(out, &arguments.full, &inputs, &arguments.replace, options)?;
-        let plan = study::plan(study)?;
-        for notice in plan.notices_before(Stage::Views)? {
-            terminal.notice(&notice);
-        }
-        return full::run(&plan, method, &files, &arguments.full, options, &terminal);
-    }
     let energy_file = beside(out, ".energy.csv");
     let mut outputs = vec![out];
     if Place::find(out)?.is_file() {

@@ -3,10 +3,10 @@
 //! Exit codes: 0 done, 2 bad input, with the reason on stderr; of `check` 1 for a broken law, 2 also for one it cannot
 //! tell. A reader that closes stdout early is no error.
 
+pub mod bsdf;
 pub mod check;
 pub mod colour;
 pub mod convert;
-mod full;
 mod help;
 pub mod init;
 pub mod inspect;
@@ -30,6 +30,7 @@ pub use stopping::{Limits, Stopping, recorded_command};
 pub use terminal::{Failure, Terminal, exit};
 
 use clap::{Args, Parser, Subcommand};
+use std::ffi::OsString;
 use std::num::{NonZeroU64, NonZeroUsize};
 
 /// Tells builds apart: `build.rs`. Files record the version alone.
@@ -43,6 +44,21 @@ pub struct TypedCommand {
     pub command: Command,
     #[command(flatten)]
     pub options: Options,
+}
+
+impl TypedCommand {
+    /// The command line, and what to tell of an old spelling in it: `measure --full` is `bsdf`.
+    pub fn typed() -> (Self, Option<&'static str>) {
+        let mut arguments: Vec<OsString> = std::env::args_os().collect();
+        let place = |arguments: &[OsString], word: &str| arguments.iter().position(|argument| argument == word);
+        let old = place(&arguments, "measure").zip(place(&arguments, "--full"));
+        if let Some((command, option)) = old.filter(|(command, option)| command < option) {
+            arguments[command] = "bsdf".into();
+            arguments.remove(option);
+        }
+        let notice = old.map(|_| "`measure --full` is now the command `bsdf`");
+        (Self::parse_from(arguments), notice)
+    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -71,6 +87,9 @@ pub enum Command {
     /// Brightness factors of the woven model on the virtual rig.
     #[command(after_long_help = help::MEASURE)]
     Measure(measure::Arguments),
+    /// Full BSDF of the woven model, reflection and transmission, as a file for lighting simulation.
+    #[command(after_long_help = help::BSDF)]
+    Bsdf(bsdf::Arguments),
     /// Laws of physics as gates, on a study or a measurement: exit 0 holds, 1 broken, 2 cannot tell.
     #[command(after_long_help = help::CHECK)]
     Check(check::Arguments),

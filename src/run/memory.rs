@@ -14,7 +14,7 @@ pub enum Stage {
     Yarn,
     /// Laws as gates: `check`.
     Check,
-    /// The whole BSDF of the cloth: `measure --full`, of so many incidences that are traced, each caught in so many bins; by f*, whose
+    /// The whole BSDF of the cloth: `bsdf`, of so many incidences that are traced, each caught in so many bins; by f*, whose
     /// tables of all batches are then held, or through the media.
     Full {
         incidences: usize,

@@ -233,9 +233,8 @@ fn full_measurements_by_factors_gain_nothing_at_grazing_incidence() {
     let output = specval(
         here,
         &[
-            "measure",
+            "bsdf",
             "study.toml",
-            "--full",
             "--method",
             "radiance-factor",
             "--theta-step",

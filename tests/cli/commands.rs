@@ -439,7 +439,7 @@ fn help_and_version_name_the_program() {
             &["satin-5", "cie1964-10deg", "D50", "merl-red-fabric2"],
         ),
         (["convert", "--help"], &["ssdd-binary", "klems"]),
-        (["measure", "--help"], &["ssdd-binary", "reflection or transmission"]),
+        (["bsdf", "--help"], &["ssdd-binary", "reflection or transmission"]),
     ] {
         let help = of_command(&arguments);
         assert!(words.iter().all(|word| help.contains(word)), "{words:?} in {help}");

@@ -7,13 +7,14 @@ mod command;
 #[path = "../support/golden.rs"]
 mod golden;
 
+mod bsdf;
 mod check_gates;
 mod check_sample;
 mod commands;
 mod examples;
 mod formats;
 mod formats_usual;
-mod measure_full;
+
 mod memory;
 mod no_nan;
 mod outputs;

@@ -79,8 +79,8 @@ fn an_input_is_never_an_output() {
     let before = (files(here), files(&here.join("d")));
     for arguments in [
         &["measure", "s.toml", "--out", "s.toml"][..],
-        &["measure", "s.toml", "--full", "--to", "csv", "--out", "s.toml"],
-        &["measure", "s.toml", "--full", "--out", "b.csv", "--errors", "./s.toml"],
+        &["bsdf", "s.toml", "--to", "csv", "--out", "s.toml"],
+        &["bsdf", "s.toml", "--out", "b.csv", "--errors", "./s.toml"],
         &["measure", "t.toml", "--out", "dye.csv"],
         &["measure", "t.toml", "--out", "a.csv"],
         &["measure", "t.toml", "--out", "index.csv"],
@@ -102,7 +102,7 @@ fn an_input_is_never_an_output() {
     assert!((files(here), files(&here.join("d"))) == before);
     refuse(
         here,
-        &["measure", "s.toml", "--full", "--out", "b.csv", "--errors", "./b.csv"],
+        &["bsdf", "s.toml", "--out", "b.csv", "--errors", "./b.csv"],
         "two outputs",
     );
 }
@@ -153,15 +153,7 @@ fn a_file_that_exists_needs_force_in_every_command() {
         &["merge", "a.shard", "--out", "there"],
         &["reabsorb", "a.trace", "--kappa-peak", "0.005", "--out", "there"],
         &["measure", "s.toml", "--out", "there"],
-        &[
-            "measure",
-            "s.toml",
-            "--full",
-            "--out",
-            "new.csv",
-            "--errors",
-            "there.csv",
-        ],
+        &["bsdf", "s.toml", "--out", "new.csv", "--errors", "there.csv"],
         &["check", "--sample", "a.csv", "--junit", "there"],
         &["convert", "a.csv", "there.csv"],
         &["report", "s.toml", "--out", "d"],
@@ -214,9 +206,8 @@ fn a_full_disk_leaves_nothing_of_a_set() {
     let here = folder.path();
     // /dev/full takes no byte; what else belongs to the set is not there then either.
     let full = [
-        "measure",
+        "bsdf",
         "s.toml",
-        "--full",
         "--theta-step",
         "45",
         "--phi-step",
@@ -304,9 +295,8 @@ fn names_that_are_no_text_are_no_panic() {
         &["report", "s.toml", "--json", "--out"][..],
         &["measure", "s.toml", "--json", "--force", "--out"],
         &[
-            "measure",
+            "bsdf",
             "s.toml",
-            "--full",
             "--theta-step",
             "45",
             "--phi-step",

@@ -17,9 +17,8 @@ fn measured(folder: &Path, name: &str, more: &[&str]) -> Vec<u8> {
     std::fs::write(folder.join("study.toml"), STUDY).unwrap();
     let program = Command::new(env!("CARGO_BIN_EXE_specval"))
         .args([
-            "measure",
+            "bsdf",
             "study.toml",
-            "--full",
             "--theta-step",
             "15",
             "--phi-step",

@@ -148,16 +148,15 @@ fn study(folder: &Path) {
     fs::write(folder.join("s.toml"), text).unwrap();
 }
 
-/// `measure s.toml --full`, coarse, and the document it prints.
+/// `bsdf s.toml`, coarse, and the document it prints.
 fn measure(folder: &Path, out: &str, more: &[&str]) -> Value {
     measure_with(folder, out, "1600", more)
 }
 
 fn measure_with(folder: &Path, out: &str, paths: &str, more: &[&str]) -> Value {
     let coarse = [
-        "measure",
+        "bsdf",
         "s.toml",
-        "--full",
         "--out",
         out,
         "--theta-step",
@@ -342,7 +341,7 @@ fn files_too_large_to_read_are_refused_before_tracing() {
             "leave --errors out",
         ),
     ] {
-        let output = crate::command::specval(folder.path(), &[&["measure", "s.toml", "--full"], arguments].concat());
+        let output = crate::command::specval(folder.path(), &[&["bsdf", "s.toml"], arguments].concat());
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
         assert!(
@@ -376,25 +375,18 @@ fn bytes_do_not_depend_on_threads_and_nothing_is_replaced_unasked() {
     fs::remove_file(folder.join("b.csv")).unwrap();
     let before = fs::read_dir(folder).unwrap().count();
     for (arguments, word) in [
-        (&["--full", "--out", "b.csv"][..], "--force"),
-        (&["--full", "--out", "c.dat"], "--to"),
-        (&["--full", "--out", "c.dat", "--to", "zemax"], "not written"),
-        (
-            &["--full", "--out", "c.bsdf", "--scatter", "transmission"],
-            "reflection alone",
-        ),
-        (&["--full", "--out", "c.xml", "--rgb"], "X, Y, Z"),
-        (&["--full", "--out", "c.csv", "--theta-step", "90"], "45 degrees"),
-        (&["--full", "--out", "c.csv", "--theta-step", "7"], "divides 90"),
-        (
-            &["--full", "--out", "c.csv", "--theta-step", "1", "--phi-step", "1"],
-            "larger",
-        ),
-        (&["--full", "--out", "c.csv", "--until", "rel 1%"], "--until"),
-        (&["--out", "c.csv", "--rgb"], "--full"),
-        (&["--full", "--out", "missing/c.csv"], "missing"),
+        (&["--out", "b.csv"][..], "--force"),
+        (&["--out", "c.dat"], "--to"),
+        (&["--out", "c.dat", "--to", "zemax"], "not written"),
+        (&["--out", "c.bsdf", "--scatter", "transmission"], "reflection alone"),
+        (&["--out", "c.xml", "--rgb"], "X, Y, Z"),
+        (&["--out", "c.csv", "--theta-step", "90"], "45 degrees"),
+        (&["--out", "c.csv", "--theta-step", "7"], "divides 90"),
+        (&["--out", "c.csv", "--theta-step", "1", "--phi-step", "1"], "larger"),
+        (&["--out", "c.csv", "--until", "rel 1%"], "--until"),
+        (&["--out", "missing/c.csv"], "missing"),
     ] {
-        let output = crate::command::specval(folder, &[&["measure", "s.toml"], arguments].concat());
+        let output = crate::command::specval(folder, &[&["bsdf", "s.toml"], arguments].concat());
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
         assert!(
@@ -433,4 +425,27 @@ fn both_methods_reflect_alike() {
     }
     let text = fs::read_to_string(folder.path().join("b.csv")).unwrap();
     assert!(text.contains("f* from yarn to yarn"));
+}
+
+#[test]
+fn the_old_spelling_gives_the_same_file_and_names_the_new_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    study(folder);
+    measure(folder, "new.csv", &[]);
+    let arguments = ["measure", "s.toml", "--full", "--out", "old.csv", "--paths", "2000"];
+    let coarse = ["--theta-step", "45", "--phi-step", "90"];
+    let output = crate::command::specval(folder, &[&arguments[..], &coarse].concat());
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.success() && stderr.contains("now the command `bsdf`"),
+        "{stderr}"
+    );
+    let arguments = ["bsdf", "s.toml", "--out", "new.csv", "--force", "--paths", "2000"];
+    assert!(
+        crate::command::specval(folder, &[&arguments[..], &coarse].concat())
+            .status
+            .success()
+    );
+    assert!(fs::read(folder.join("old.csv")).unwrap() == fs::read(folder.join("new.csv")).unwrap());
 }

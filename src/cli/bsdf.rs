@@ -1,6 +1,7 @@
 use super::convert::{ConvertError, Target, by_extension, target_of};
 use super::inspect::scatter_of;
-use super::{Failure, Options, Replace, Terminal, claim, in_words};
+use super::measure::Method;
+use super::{Failure, Options, Replace, Terminal, claim, in_words, inputs_of, study};
 use serde::Serialize;
 use specval::artefact::Identity;
 use specval::formats::{
@@ -9,7 +10,7 @@ use specval::formats::{
 use specval::output::{Place, beside, write_all};
 use specval::report::InputDigest;
 use specval::run::{
-    Cells, Colours, FactorCloth, FullBsdf, FullMeasurement, HemisphericalRow, Plan, Symmetry, VolumetricCloth,
+    Cells, Colours, FactorCloth, FullBsdf, FullMeasurement, HemisphericalRow, Plan, Stage, Symmetry, VolumetricCloth,
     symmetries,
 };
 use specval::study::{MethodChoice, Study};
@@ -31,33 +32,42 @@ fn method_words(method: MethodChoice) -> &'static str {
     }
 }
 
+/// Measures the full BSDF of the woven model, reflection and transmission over both hemispheres, for lighting simulation.
+///
+/// Beside a file it writes FILE.hemispherical.csv. --paths are particles of each incidence.
 #[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Full BSDF")]
 pub struct Arguments {
-    /// Measure reflection and transmission over both hemispheres, for lighting simulation. --out is then a file of any
-    /// format that can be written, and beside it is FILE.hemispherical.csv. --paths are particles of each incidence.
-    #[arg(long, conflicts_with_all = ["until", "max_time", "resume"])]
-    pub full: bool,
+    /// Study file; without it the built-in study.
+    #[arg(value_name = "STUDY")]
+    study: Option<PathBuf>,
+    /// File of any format that is written.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// How light in the cloth is simulated; volumetric unless said here, whatever the study's `[cloth] method` of curves.
+    #[arg(long, value_enum, value_name = "METHOD")]
+    method: Option<Method>,
+    #[command(flatten)]
+    replace: Replace,
     /// Format to write: csv, ddr, sdr, ssdd, ssdd-binary, astm, merl, rgl or klems; without it the extension of --out says.
-    #[arg(long, value_name = "FORMAT", value_parser = target_of, requires = "full")]
+    #[arg(long, value_name = "FORMAT", value_parser = target_of)]
     to: Option<Target>,
     /// What to write in a format that holds one of the two: reflection or transmission.
-    #[arg(long, value_name = "KIND", value_parser = scatter_of, requires = "full")]
+    #[arg(long, value_name = "KIND", value_parser = scatter_of)]
     scatter: Option<Scatter>,
     /// Linear sRGB under D65 in place of spectra.
-    #[arg(long, requires = "full")]
+    #[arg(long)]
     rgb: bool,
     /// Polar step of incident and outgoing directions, degrees; a right angle has 2 to 90 of them.
-    #[arg(long, value_name = "DEG", value_parser = step, allow_negative_numbers = true, default_value = "10", requires = "full")]
+    #[arg(long, value_name = "DEG", value_parser = step, allow_negative_numbers = true, default_value = "10")]
     theta_step: Step,
     /// Step of azimuths, degrees; a right angle has 1 to 90 of them.
-    #[arg(long, value_name = "DEG", value_parser = step, allow_negative_numbers = true, default_value = "15", requires = "full")]
+    #[arg(long, value_name = "DEG", value_parser = step, allow_negative_numbers = true, default_value = "15")]
     phi_step: Step,
     /// Trace every incidence, also those that the weave's symmetry gives.
-    #[arg(long, requires = "full")]
+    #[arg(long)]
     no_fold: bool,
     /// CSV file for the standard errors of the spectra, in the layout of the values.
-    #[arg(long, value_name = "FILE", requires = "full")]
+    #[arg(long, value_name = "FILE")]
     errors: Option<PathBuf>,
 }
 
@@ -120,27 +130,22 @@ struct Settings<'a> {
 }
 
 /// Where the files of a full measurement go.
-pub struct Files {
+struct Files {
     output: Place,
     hemispherical: Option<Place>,
     errors: Option<Place>,
 }
 
 /// Finds the places of all files, before any work; where the output is a stream there is none beside it.
-pub fn claim_files(
-    out: &Path,
-    full: &Arguments,
-    inputs: &[PathBuf],
-    replace: &Replace,
-    options: &Options,
-) -> Result<(Files, Terminal), Failure> {
-    full.target(out)?;
+fn claim_files(arguments: &Arguments, inputs: &[PathBuf], options: &Options) -> Result<(Files, Terminal), Failure> {
+    let out = arguments.out.as_path();
+    arguments.target(out)?;
     let beside = beside(out, ".hemispherical.csv");
     let is_file = Place::find(out)?.is_file();
     let mut outputs = vec![out];
     outputs.extend(is_file.then_some(beside.as_path()));
-    outputs.extend(full.errors.as_deref());
-    let (places, terminal) = claim(&outputs, inputs, replace, options)?;
+    outputs.extend(arguments.errors.as_deref());
+    let (places, terminal) = claim(&outputs, inputs, &arguments.replace, options)?;
     let mut places = places.into_iter();
     let output = places.next().map_or_else(|| Place::find(out), Ok)?;
     let hemispherical = if is_file { places.next() } else { None };
@@ -154,14 +159,18 @@ pub fn claim_files(
     ))
 }
 
-pub fn run(
-    plan: &Plan,
-    method: MethodChoice,
-    files: &Files,
-    full: &Arguments,
-    options: &Options,
-    terminal: &Terminal,
-) -> Result<(), Failure> {
+pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
+    let mut study = study::load(full.study.as_deref(), options)?;
+    if let Some(method) = full.method {
+        study.cloth.method = method.choice();
+    }
+    let method = full.method.unwrap_or(Method::Volumetric).choice();
+    let inputs = inputs_of(full.study.as_deref(), &study);
+    let (files, terminal) = &claim_files(full, &inputs, options)?;
+    let plan = &study::plan(study)?;
+    for notice in plan.notices_before(Stage::Views)? {
+        terminal.notice(&notice);
+    }
     let out = files.output.path();
     let (Target { format, encoding }, scatter) = full.target(out)?;
     let batches = plan.direct_effort.batches;
