@@ -89,7 +89,7 @@ impl Sample {
             };
             match formats::format_of(path) {
                 // A folder or an empty file is told in the words of the reader of CSV.
-                Ok(Format::Csv) | Err(_) => {
+                Ok(Format::CSV) | Err(_) => {
                     let bytes = read(path)?;
                     if is_over_the_sphere(&bytes) {
                         let data = formats::parse(name_or_path, &bytes, &ReadOptions::default())?;

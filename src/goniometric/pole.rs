@@ -1,7 +1,6 @@
 //! At a pole a grid has one node for each azimuth, and all are one direction: they get one value.
 
-use super::Goniometric;
-use super::goniometric::Table;
+use super::data::{Goniometric, Table};
 use super::grid::{Grid, Parameters};
 
 /// Nodes of a pole that differ by less, of the largest of them, are told apart by rounding alone.
@@ -13,7 +12,7 @@ const AT_POLE_RAD: f64 = 1e-9;
 
 /// Puts the mean over azimuth, each node weighted by its share of the circle, into the nodes of every pole, and warns where
 /// they differed.
-pub(super) fn give_one_value(data: &mut Goniometric) {
+pub(crate) fn give_one_value(data: &mut Goniometric) {
     let mut largest = 0.0f64;
     for component in &mut data.components {
         if let Table::Grid(grid) = &mut component.table {

@@ -2,14 +2,35 @@
 
 use std::f64::consts::TAU;
 
-use super::FormatError;
-use super::axis::Axis;
-use super::detect::Format;
-use super::error::remedy;
-use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
-use super::grid::{Fold, Grid, Parameters};
-use super::integra::radians;
-use super::text::{NOT_NEGATIVE, Readings, Text, Tokens};
+use crate::formats::descriptor::{Descriptor, Reader, USUAL_SIZES};
+use crate::formats::error::{FormatError, remedy};
+use crate::formats::text::{NOT_NEGATIVE, Readings, Text, Tokens};
+use crate::goniometric::{
+    Axis, Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Provenance, Quantity, Scatter, Side, Table,
+    radians,
+};
+
+pub(super) const ZEMAX: Descriptor = Descriptor {
+    format: Format::new("zemax"),
+    words: "zemax",
+    extensions: &[("bsdf", None)],
+    sizes: USUAL_SIZES,
+    convention: None,
+    detect: |beginning| beginning.word("angleofincidence"),
+    read: Reader::Goniometric(|input| input.text(read_zemax)),
+    write: None,
+};
+
+pub(super) const LIGHT_TOOLS: Descriptor = Descriptor {
+    format: Format::new("lighttools"),
+    words: "lighttools",
+    extensions: &[("bsdf", None)],
+    sizes: USUAL_SIZES,
+    convention: None,
+    detect: |beginning| beginning.word("aoi"),
+    read: Reader::Goniometric(|input| input.text(read_lighttools)),
+    write: None,
+};
 
 fn list(tokens: &mut Tokens, keyword: &str, high: f64) -> Result<Vec<f64>, FormatError> {
     tokens.keyword(keyword)?;
@@ -51,7 +72,7 @@ fn total(tokens: &mut Tokens) -> Result<f64, FormatError> {
 }
 
 /// Angles about the mirror direction, or of transmission the straight one, as in Integra's files.
-pub(super) fn read_zemax(text: Text) -> Result<Goniometric, FormatError> {
+fn read_zemax(text: Text) -> Result<Goniometric, FormatError> {
     let mut tokens = Tokens::new(text, "#");
     let source = choice(&mut tokens, "Source", &["Measured", "Generated"])?;
     let symmetries = ["PlaneSymmetrical", "Asymmetrical", "Asymmetrical4D"];
@@ -130,7 +151,7 @@ pub(super) fn read_zemax(text: Text) -> Result<Goniometric, FormatError> {
     let stated: Vec<String> = totals.iter().map(f64::to_string).collect();
     provenance.statements.push(("TIS".into(), stated.join(" ")));
     Ok(Goniometric {
-        format: Format::Zemax,
+        format: ZEMAX.format,
         provenance,
         components: vec![component],
         warnings,
@@ -148,7 +169,7 @@ struct Block {
 }
 
 /// Outgoing directions in plain spherical coordinates; light comes from azimuth 90°.
-pub(super) fn read_lighttools(text: Text) -> Result<Goniometric, FormatError> {
+fn read_lighttools(text: Text) -> Result<Goniometric, FormatError> {
     let mut tokens = Tokens::new(text, "#");
     let source = choice(&mut tokens, "Source", &["Measured", "Generated"])?;
     let symmetry = choice(
@@ -253,7 +274,7 @@ pub(super) fn read_lighttools(text: Text) -> Result<Goniometric, FormatError> {
         warnings.push("azimuths on the back are taken to run as on the front".into());
     }
     Ok(Goniometric {
-        format: Format::LightTools,
+        format: LIGHT_TOOLS.format,
         provenance: provenance(&tokens, source),
         components,
         warnings,

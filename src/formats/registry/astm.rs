@@ -3,15 +3,33 @@
 use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 
-use super::detect::Format;
-use super::error::remedy;
-use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Side, Table};
 use super::integra::scatter_of;
-use super::scattered::{Directions, Scattered};
-use super::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
-use super::{AngleUnit, FormatError, ReadOptions};
+use crate::formats::descriptor::{Descriptor, Holds, Reader, USUAL_SIZES, Writer};
+use crate::formats::error::{FormatError, remedy};
+use crate::formats::options::{AngleUnit, ReadOptions};
+use crate::formats::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
+use crate::formats::write::columns;
+use crate::goniometric::{
+    Channels, Component, Directions, Format, Goniometric, Provenance, Quantity, Scattered, Side, Table,
+};
 use crate::number::shown;
 use crate::spectrum::WavelengthGrid;
+
+pub(super) const FORMAT: Descriptor = Descriptor {
+    format: Format::new("astm"),
+    words: "astm",
+    extensions: &[("astm", None)],
+    sizes: USUAL_SIZES,
+    convention: None,
+    detect: |beginning| beginning.line_of("VARS"),
+    read: Reader::Goniometric(|input| input.text(|text| read(text, input.options))),
+    write: Some(Writer {
+        holds: Holds::Scattering,
+        errors: false,
+        variant: None,
+        write: columns::astm,
+    }),
+};
 
 /// A line and the byte it begins at.
 type Line<'a> = (usize, &'a str);
@@ -71,7 +89,7 @@ fn scattered(
     })
 }
 
-pub(super) fn read_astm(text: Text, options: &ReadOptions) -> Result<Goniometric, FormatError> {
+fn read(text: Text, options: &ReadOptions) -> Result<Goniometric, FormatError> {
     let mut provenance = Provenance::default();
     let mut promised = None;
     let mut lines = lines(text);
@@ -167,7 +185,7 @@ pub(super) fn read_astm(text: Text, options: &ReadOptions) -> Result<Goniometric
         );
     }
     Ok(Goniometric {
-        format: Format::Astm,
+        format: FORMAT.format,
         provenance,
         components: vec![Component {
             scatter,

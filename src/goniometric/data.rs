@@ -1,14 +1,12 @@
-use serde::Serialize;
-
-use super::detect::Format;
+use super::direction::{every_tenth_degree, rounded_deg};
 use super::grid::Grid;
+use super::kinds::{Channels, Format, Placement, Provenance, Quantity, Scatter, Side};
 use super::klems::KlemsMatrix;
 use super::scattered::Scattered;
 use super::specular::SpecularTable;
 use super::tensor_tree::TensorTree;
 use super::warped::Warped;
 use crate::geometry::Vec3;
-use crate::spectrum::WavelengthGrid;
 
 /// Goniometric data as one file holds them: values over incident and outgoing direction, in the file's own quantity,
 /// parameters and nodes.
@@ -25,16 +23,6 @@ pub struct Goniometric {
     pub warnings: Vec<String>,
 }
 
-/// What a file says of where its values come from.
-#[derive(Clone, Debug, PartialEq, Default, Serialize)]
-pub struct Provenance {
-    /// `Measured`, `Generated`, `Edited`, …, as the file has it.
-    pub source: Option<String>,
-    /// Other statements, by the file's own key words.
-    pub statements: Vec<(String, String)>,
-    pub comments: Vec<String>,
-}
-
 /// One kind of scattering from one side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
@@ -44,92 +32,6 @@ pub struct Component {
     pub quantity: Quantity,
     pub channels: Channels,
     pub table: Table,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Scatter {
-    Reflection,
-    Transmission,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Side {
-    /// The half space of +z.
-    Front,
-    Back,
-}
-
-/// What a table's numbers are. f is the BRDF or, of transmission, the BTDF: radiance per irradiance on the surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    /// f, 1/sr.
-    Bsdf,
-    /// f cos θ_out, 1/sr.
-    BsdfCosine,
-    /// Brightness factor β = π f, 1 for the perfect diffuser.
-    BrightnessFactor,
-    /// Specularly reflected or regularly transmitted fraction of the flux; has no density over solid angle.
-    Fraction,
-    /// Of a scale that the file does not state.
-    Unscaled,
-}
-
-impl Quantity {
-    /// f in 1/sr of a value; `None` where the quantity has no f.
-    pub fn to_bsdf(self, value: f64, cos_out: f64) -> Option<f64> {
-        match self {
-            Self::Bsdf => Some(value),
-            Self::BsdfCosine => Some(value / cos_out),
-            Self::BrightnessFactor => Some(value / std::f64::consts::PI),
-            Self::Fraction | Self::Unscaled => None,
-        }
-    }
-
-    /// The value that stands for f in 1/sr; `None` where the quantity has no f.
-    pub fn of_bsdf(self, bsdf: f64, cos_out: f64) -> Option<f64> {
-        match self {
-            Self::Bsdf => Some(bsdf),
-            Self::BsdfCosine => Some(bsdf * cos_out),
-            Self::BrightnessFactor => Some(bsdf * std::f64::consts::PI),
-            Self::Fraction | Self::Unscaled => None,
-        }
-    }
-}
-
-/// What the values of one geometry stand for.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Channels {
-    /// One value of no stated colour; in Radiance files photometric.
-    Monochrome,
-    /// Linear, of primaries that hardly any format states.
-    Rgb,
-    Xyz,
-    Wavelengths(WavelengthGrid),
-}
-
-impl Channels {
-    /// Number of values of a geometry.
-    pub fn count(&self) -> usize {
-        match self {
-            Self::Monochrome => 1,
-            Self::Rgb | Self::Xyz => 3,
-            Self::Wavelengths(grid) => grid.len(),
-        }
-    }
-
-    /// A name for each, wavelengths with their unit.
-    pub fn names(&self) -> Vec<String> {
-        let named = |names: &[&str]| names.iter().map(|&n| n.to_owned()).collect();
-        match self {
-            Self::Monochrome => named(&["value"]),
-            Self::Rgb => named(&["R", "G", "B"]),
-            Self::Xyz => named(&["X", "Y", "Z"]),
-            Self::Wavelengths(grid) => grid.nm().iter().map(|nm| format!("{nm}nm")).collect(),
-        }
-    }
 }
 
 /// Values in the parameters of their file.
@@ -151,7 +53,7 @@ pub enum Table {
 
 impl Table {
     /// Of light from above that is seen from above; `None` outside what was measured.
-    pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+    pub(crate) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
         match self {
             Self::Grid(grid) => grid.eval(omega_in, omega_out),
             Self::Scattered(scattered) => scattered.eval(omega_in, omega_out),
@@ -161,18 +63,6 @@ impl Table {
             Self::Specular(_) => None,
         }
     }
-}
-
-/// How an evaluation came about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Placement {
-    /// A node of the file.
-    OnNode,
-    /// Linear between nodes, in the file's own parameters.
-    Interpolated,
-    /// The mean of a patch or cell, as the file has it.
-    InCell,
 }
 
 /// Values at a pair of directions, one a channel, in the file's quantity.
@@ -252,7 +142,7 @@ impl Component {
 
     /// Adds f in 1/sr of the pair turned about the normal by each of the angles in radians, and takes out of the list those at
     /// which there is a value. What turns do not change is worked out once.
-    pub(super) fn add_bsdf_turned(
+    pub(crate) fn add_bsdf_turned(
         &self,
         omega_in: &Vec3,
         omega_out: &Vec3,
@@ -299,7 +189,7 @@ impl Component {
 
     /// The same table with other channels, by a linear map, where what lies between nodes is linear in them: interpolating fewer
     /// channels takes less time. `None` of other tables.
-    pub(super) fn with_channels(&self, channels: Channels, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<Self> {
+    pub(crate) fn with_channels(&self, channels: Channels, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<Self> {
         let count = channels.count();
         let table = match &self.table {
             Table::Grid(grid) => Table::Grid(grid.with_channels(count, map)?),
@@ -337,25 +227,4 @@ impl Component {
             Table::Specular(_) => true,
         }
     }
-}
-
-pub(super) fn every_tenth_degree() -> Vec<f64> {
-    (0..9).map(|i| f64::from(10 * i).to_radians()).collect()
-}
-
-/// Degrees as they were written: conversion to radians and back is off by a rounding.
-pub(super) fn rounded_deg(angle_rad: f64) -> f64 {
-    (angle_rad.to_degrees() * 1e9).round() / 1e9
-}
-
-/// Unit vector of a polar angle and an azimuth.
-pub fn direction(theta_rad: f64, phi_rad: f64) -> Vec3 {
-    let (sin, cos) = theta_rad.sin_cos();
-    Vec3::new(sin * phi_rad.cos(), sin * phi_rad.sin(), cos)
-}
-
-/// Polar angle and azimuth, 0..2π, of a vector; exact near the poles too.
-pub(super) fn angles_of(v: &Vec3) -> (f64, f64) {
-    let theta = v.x.hypot(v.y).atan2(v.z);
-    (theta, v.y.atan2(v.x).rem_euclid(std::f64::consts::TAU))
 }

@@ -5,18 +5,41 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
-use super::FormatError;
-use super::axis::Axis;
-use super::detect::Format;
-use super::error::{Place, remedy};
-use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
-use super::grid::{Fold, Grid, Parameters};
-use super::integra::radians;
-use super::source::{is_implausible, swapped};
-use super::specular::SpecularTable;
-use super::text::{FINITE, Readings, finite, quoted, remedy_for};
+use crate::formats::byte_order::{is_implausible, swapped};
+use crate::formats::descriptor::{Beginning, Descriptor, Holds, Input, Mark, Reader, USUAL_SIZES, Writer};
+use crate::formats::error::{FormatError, Place, remedy};
+use crate::formats::options::Encoding;
+use crate::formats::text::{FINITE, Readings, finite, quoted, remedy_for};
+use crate::formats::write::ssdd as write;
+use crate::goniometric::{
+    Axis, Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Provenance, Quantity, Scatter, Side,
+    SpecularTable, Table, radians,
+};
 use crate::number::shown;
 use crate::spectrum::WavelengthGrid;
+
+pub(super) const FORMAT: Descriptor = Descriptor {
+    format: Format::new("ssdd"),
+    words: "ssdd",
+    extensions: &[("ssdd", None)],
+    sizes: USUAL_SIZES,
+    convention: None,
+    detect: told,
+    read: Reader::Goniometric(read),
+    write: Some(Writer {
+        holds: Holds::Kinds,
+        errors: false,
+        variant: Some(("ssdd-binary", Encoding::Binary)),
+        write: write::write,
+    }),
+};
+
+fn told(beginning: &Beginning) -> Option<Mark> {
+    let version = || beginning.line_of("VERSION").map(|_| Mark::LineWord);
+    let mark = beginning.line_of("DATA_TYPE").or_else(version)?;
+    let is_binary = beginning.text.contains('\0');
+    Some(if is_binary { Mark::Binary } else { mark })
+}
 
 /// The lines of a file that may hold binary data between them.
 struct Lines<'a> {
@@ -83,7 +106,8 @@ const PARAMETER_TYPES: [&str; 4] = [
     "distorted_spherical_coordinate_system",
 ];
 
-pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError> {
+fn read(input: &Input) -> Result<Goniometric, FormatError> {
+    let (path, bytes) = (input.path, input.bytes);
     // Of a file with binary values the lines are decoded one by one.
     let text = crate::text::encoding::decode(bytes).ok();
     let text = text.filter(|decoded| !decoded.text.contains("DATA binary"));
@@ -167,7 +191,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         return Err(lines.error(expected, "the end of the file", remedy::CUT_SHORT));
     }
     Ok(Goniometric {
-        format: Format::Ssdd,
+        format: FORMAT.format,
         provenance,
         components,
         warnings,

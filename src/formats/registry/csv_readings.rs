@@ -3,13 +3,30 @@
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
-use super::FormatError;
-use super::detect::Format;
-use super::error::Place;
-use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
-use super::scattered::{Directions, Scattered};
+use crate::formats::descriptor::{Descriptor, Holds, Input, Reader, USUAL_SIZES, Writer};
+use crate::formats::error::{FormatError, Place};
+use crate::formats::write::columns;
+use crate::goniometric::{
+    Channels, Component, Directions, Format, Goniometric, Provenance, Quantity, Scatter, Scattered, Side, Table,
+};
 use crate::spectrum::{WavelengthGrid, plausibility};
-use crate::text::{CsvError, CsvTable};
+use crate::text::{CsvError, CsvTable, Heading, heading};
+
+pub(super) const FORMAT: Descriptor = Descriptor {
+    format: Format::new("csv"),
+    words: "csv",
+    extensions: &[("csv", None)],
+    sizes: USUAL_SIZES,
+    convention: None,
+    detect: |beginning| beginning.first_line(|line| matches!(heading(line), Some(Heading::Plane | Heading::Sphere))),
+    read: Reader::Goniometric(read),
+    write: Some(Writer {
+        holds: Holds::Scattering,
+        errors: true,
+        variant: None,
+        write: columns::csv,
+    }),
+};
 
 /// Angle columns, with their ranges in degrees.
 const PLANE: [(&str, RangeInclusive<f64>); 2] = [("theta_i_deg", 0.0..=90.0), ("theta_v_deg", -90.0..=90.0)];
@@ -25,8 +42,8 @@ const LARGEST: f64 = 1e30;
 
 /// Columns: angles in degrees as above, theta_o beyond 90 of transmission; then `wavelength_nm,beta`, or a column a wavelength,
 /// or `beta_r,beta_g,beta_b`, `beta_x,beta_y,beta_z` or `beta`; then standard errors, the same names with `_se`, all or none.
-pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError> {
-    parse(path, bytes).map_err(|e| format_error(&e))
+fn read(input: &Input) -> Result<Goniometric, FormatError> {
+    parse(input.path, input.bytes).map_err(|e| format_error(&e))
 }
 
 fn format_error(of: &CsvError) -> FormatError {
@@ -321,7 +338,7 @@ fn parse(path: &str, bytes: &[u8]) -> Result<Goniometric, Box<CsvError>> {
         ..Provenance::default()
     };
     Ok(Goniometric {
-        format: Format::Csv,
+        format: FORMAT.format,
         provenance,
         components: vec![Component {
             scatter: match readings.through {

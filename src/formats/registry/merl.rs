@@ -3,39 +3,48 @@
 //!
 //! Values are taken as nodes at θ_h = i²/90, θ_d = i, φ_d = i degrees; other readers take them as cells.
 
-use std::f64::consts::{PI, TAU};
-
 use rayon::prelude::*;
 
-use super::FormatError;
-use super::axis::Axis;
-use super::detect::Format;
-use super::error::remedy;
-use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table, direction};
-use super::grid::{Fold, Grid, Parameters};
-use super::source::{is_implausible, swapped};
-use crate::geometry::Vec3;
+use crate::formats::byte_order::{is_implausible, swapped};
+use crate::formats::descriptor::{Beginning, Descriptor, Holds, Input, Mark, Reader, Writer};
+use crate::formats::error::{FormatError, remedy};
+use crate::formats::merl_table::{HEADER, NODES, PHI_D, SCALE, SIZE, directions, grid};
+use crate::formats::write::merl as write;
+use crate::goniometric::{Channels, Component, Format, Goniometric, Provenance, Quantity, Scatter, Side, Table};
 use crate::number::shown;
 
-const THETA_H: usize = 90;
-const THETA_D: usize = 90;
-const PHI_D: usize = 180;
-const HEADER: usize = 12;
-/// Nodes of a plane.
-pub(super) const NODES: usize = THETA_H * THETA_D * PHI_D;
+pub(super) const FORMAT: Descriptor = Descriptor {
+    format: Format::new("merl"),
+    words: "merl",
+    extensions: &[("binary", None)],
+    sizes: SIZE..=SIZE,
+    convention: None,
+    detect: told,
+    read: Reader::Goniometric(read),
+    write: Some(Writer {
+        holds: Holds::Reflection,
+        errors: false,
+        variant: None,
+        write: write::write,
+    }),
+};
 
-/// Bytes of every file.
-pub(super) const SIZE: u64 = (HEADER + 3 * 8 * NODES) as u64;
+fn told(beginning: &Beginning) -> Option<Mark> {
+    const REMEDY: &str =
+        "reverse the bytes of each count (4 bytes) and of each value (8 bytes), or copy the original file";
+    if begins(beginning.head) {
+        Some(Mark::Magic)
+    } else {
+        begins_swapped(beginning.head).then_some(Mark::Swapped(REMEDY))
+    }
+}
 
-/// 1/sr for a unit of the stored red, green, blue.
-const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
-
-pub(super) fn begins(head: &[u8]) -> bool {
+fn begins(head: &[u8]) -> bool {
     counts_are(head, u32::from_le_bytes)
 }
 
 /// As [`begins`], of a file of a big-endian machine.
-pub(super) fn begins_swapped(head: &[u8]) -> bool {
+fn begins_swapped(head: &[u8]) -> bool {
     counts_are(head, u32::from_be_bytes)
 }
 
@@ -49,7 +58,8 @@ fn counts_are(head: &[u8], number: fn([u8; 4]) -> u32) -> bool {
     matches!(counts[..], [90, 90, 180 | 360])
 }
 
-pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError> {
+fn read(input: &Input) -> Result<Goniometric, FormatError> {
+    let (path, bytes) = (input.path, input.bytes);
     if bytes.len() as u64 != SIZE || !begins(bytes) || bytes[8] != PHI_D as u8 {
         let expected = format!("{SIZE} bytes: counts 90, 90, 180, and 3 values of 8 bytes for each node");
         let remedy = "copy the file again in binary mode; the variant with 360 azimuths is not read";
@@ -109,7 +119,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
     }
     let grid = grid(values);
     Ok(Goniometric {
-        format: Format::Merl,
+        format: FORMAT.format,
         provenance: Provenance::default(),
         components: vec![Component {
             scatter: Scatter::Reflection,
@@ -120,60 +130,4 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         }],
         warnings,
     })
-}
-
-/// A table of these values in 1/sr, planes one after the other; NaN where there are no data.
-fn grid(values: Vec<f64>) -> Grid {
-    let axes = [
-        Axis::held((0..THETA_H).map(theta_h_rad).collect()),
-        Axis::azimuth(vec![0.0], TAU),
-        Axis::held((0..THETA_D).map(|i| (i as f64).to_radians()).collect()),
-        Axis::azimuth((0..PHI_D).map(|i| (i as f64).to_radians()).collect(), PI),
-    ];
-    Grid::new(
-        Parameters::HalfDifference,
-        axes,
-        Fold::HalfTurn,
-        3,
-        [4, 1, 0, 2, 3],
-        values,
-    )
-}
-
-/// As [`bytes`] are read.
-pub(super) fn table(rgb: &[Option<[f64; 3]>]) -> Grid {
-    let planes = (0..3).flat_map(|channel| {
-        rgb.iter()
-            .map(move |node| node.map_or(f64::NAN, |values| values[channel]))
-    });
-    grid(planes.collect())
-}
-
-fn theta_h_rad(index: usize) -> f64 {
-    ((index * index) as f64 / 90.0).to_radians()
-}
-
-/// Directions to light and viewer at a node, counted in the order of a plane; either may be below the horizon.
-pub(super) fn directions(node: usize) -> (Vec3, Vec3) {
-    let theta_h = theta_h_rad(node / (THETA_D * PHI_D));
-    let theta_d = ((node / PHI_D % THETA_D) as f64).to_radians();
-    let d = direction(theta_d, ((node % PHI_D) as f64).to_radians());
-    let (sin, cos) = theta_h.sin_cos();
-    let half = direction(theta_h, 0.0);
-    let omega_in = Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x);
-    (omega_in, half * (2.0 * half.dot(&omega_in)) - omega_in)
-}
-
-/// A file of these values in 1/sr, one triple a node; `None` where there are no data.
-pub(super) fn bytes(rgb: &[Option<[f64; 3]>]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(SIZE as usize);
-    for count in [THETA_H, THETA_D, PHI_D] {
-        bytes.extend((count as u32).to_le_bytes());
-    }
-    for (channel, scale) in SCALE.iter().enumerate() {
-        for node in rgb {
-            bytes.extend(node.map_or(-1.0, |values| values[channel] / scale).to_le_bytes());
-        }
-    }
-    bytes
 }

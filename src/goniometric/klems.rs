@@ -1,6 +1,7 @@
 use std::f64::consts::TAU;
 
-use super::goniometric::{Placement, angles_of, direction};
+use super::direction::{angles_of, direction};
+use super::kinds::Placement;
 use crate::geometry::Vec3;
 
 /// Patches of the hemisphere in rings about the normal, counted outwards and, within a ring, from azimuth 0 on, on which
@@ -127,12 +128,12 @@ impl KlemsMatrix {
         self.values[(channel * self.exiting.count() + exiting) * self.incident.count() + incident]
     }
 
-    pub(super) fn add(&mut self, channel: usize, incident: usize, exiting: usize, value: f64) {
+    pub(crate) fn add(&mut self, channel: usize, incident: usize, exiting: usize, value: f64) {
         self.values[(channel * self.exiting.count() + exiting) * self.incident.count() + incident] += value;
     }
 
     /// ∫ f cos θ_out dω_out per channel, of light from a direction: exact, as f is constant on patches.
-    pub(super) fn hemispherical(&self, omega_in: &Vec3) -> Vec<f64> {
+    pub(crate) fn hemispherical(&self, omega_in: &Vec3) -> Vec<f64> {
         let incident = self.incident_patch(omega_in);
         let sum = |channel: usize| {
             let patches = 0..self.exiting.count();
@@ -147,12 +148,12 @@ impl KlemsMatrix {
         self.incident.patch(&Vec3::new(-omega_in.x, -omega_in.y, omega_in.z))
     }
 
-    pub(super) fn channels(&self) -> usize {
+    pub(crate) fn channels(&self) -> usize {
         self.values.len() / (self.incident.count() * self.exiting.count())
     }
 
     /// Centres of the rings of incidence.
-    pub(super) fn incidences_rad(&self) -> Vec<f64> {
+    pub(crate) fn incidences_rad(&self) -> Vec<f64> {
         let centre =
             |(index, ([low, high], _)): (usize, ([f64; 2], usize))| if index == 0 { 0.0 } else { (low + high) / 2.0 };
         self.incident
@@ -163,7 +164,7 @@ impl KlemsMatrix {
             .collect()
     }
 
-    pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+    pub(crate) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
         let incident = self.incident_patch(omega_in);
         let exiting = self.exiting.patch(omega_out);
         let values = (0..self.channels()).map(|channel| self.at(channel, incident, exiting));

@@ -3,22 +3,39 @@
 
 use std::f64::consts::TAU;
 
-use super::axis::Axis;
-use super::detect::Format;
-use super::error::remedy;
-use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
-use super::grid::{Fold, Grid, Parameters};
-use super::source::{is_implausible, swapped};
-use super::{FormatError, ReadOptions};
+use crate::formats::byte_order::{is_implausible, swapped};
+use crate::formats::descriptor::{Beginning, Descriptor, Input, Mark, Reader};
+use crate::formats::error::{FormatError, remedy};
+use crate::goniometric::{
+    Axis, Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Provenance, Quantity, Scatter, Side, Table,
+};
+
+pub(super) const FORMAT: Descriptor = Descriptor {
+    format: Format::new("utia"),
+    words: "utia",
+    extensions: &[("bin", None)],
+    sizes: SIZE..=SIZE,
+    convention: None,
+    detect: told,
+    read: Reader::Goniometric(read),
+    write: None,
+};
+
+/// Numbers without a header may begin with any byte: their size tells.
+fn told(beginning: &Beginning) -> Option<Mark> {
+    let is_binary = beginning.head.contains(&0);
+    (beginning.size == SIZE).then_some(if is_binary { Mark::Binary } else { Mark::Likely })
+}
 
 const POLAR: usize = 6;
 const AZIMUTHS: usize = 48;
 const COUNT: usize = 3 * POLAR * AZIMUTHS * POLAR * AZIMUTHS;
 
 /// Bytes of every file.
-pub(super) const SIZE: u64 = 8 * COUNT as u64;
+const SIZE: u64 = 8 * COUNT as u64;
 
-pub(super) fn read(path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Goniometric, FormatError> {
+fn read(input: &Input) -> Result<Goniometric, FormatError> {
+    let (path, bytes, options) = (input.path, input.bytes, input.options);
     if bytes.len() as u64 != SIZE {
         return Err(FormatError::file(
             path,
@@ -71,7 +88,7 @@ pub(super) fn read(path: &str, bytes: &[u8], options: &ReadOptions) -> Result<Go
         );
     }
     Ok(Goniometric {
-        format: Format::Utia,
+        format: FORMAT.format,
         provenance: Provenance::default(),
         components: vec![Component {
             scatter: Scatter::Reflection,

@@ -2,7 +2,8 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use super::axis::Axis;
-use super::goniometric::{Placement, angles_of};
+use super::direction::angles_of;
+use super::kinds::Placement;
 use crate::geometry::Vec3;
 
 /// Readings at pairs of directions, sorted into a tree of angles: incident polar angle and azimuth, outgoing polar angle
@@ -46,11 +47,11 @@ enum Node {
 }
 
 /// A pair of readings of the same directions, by their places in the file.
-pub(super) struct Twice(pub(super) usize, pub(super) usize);
+pub(crate) struct Twice(pub(crate) usize, pub(crate) usize);
 
 impl Scattered {
     /// `angles` has as many angles in each row as `directions` has; there is at least one row.
-    pub(super) fn new(
+    pub(crate) fn new(
         directions: Directions,
         angles: &[Vec<f64>],
         channels: usize,
@@ -89,7 +90,7 @@ impl Scattered {
     }
 
     /// With standard errors, as many as there are values and in their order.
-    pub(super) fn with_errors(self, errors: Option<Vec<f64>>) -> Self {
+    pub(crate) fn with_errors(self, errors: Option<Vec<f64>>) -> Self {
         Self { errors, ..self }
     }
 
@@ -101,7 +102,7 @@ impl Scattered {
         self.isotropic
     }
 
-    pub(super) fn is_mirrored(&self) -> bool {
+    pub(crate) fn is_mirrored(&self) -> bool {
         self.mirrored
     }
 
@@ -110,7 +111,7 @@ impl Scattered {
         self.rows(&self.values)
     }
 
-    pub(super) fn states_errors(&self) -> bool {
+    pub(crate) fn states_errors(&self) -> bool {
         self.errors.is_some()
     }
 
@@ -132,7 +133,7 @@ impl Scattered {
 
     /// Standard errors of a value, in its quantity, those of the readings around it being independent. `None` where none were
     /// stated and outside what was read.
-    pub(super) fn standard_errors(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Vec<f64>> {
+    pub(crate) fn standard_errors(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Vec<f64>> {
         let errors = self.errors.as_ref()?;
         let around = self.around_pair(omega_in, omega_out)?;
         let mut squares = vec![0.0; self.channels];
@@ -145,7 +146,7 @@ impl Scattered {
     }
 
     /// The same readings with other channels, as many as the map gives.
-    pub(super) fn with_channels(&self, channels: usize, map: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+    pub(crate) fn with_channels(&self, channels: usize, map: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         Self {
             channels,
             values: self.values.chunks_exact(self.channels).flat_map(map).collect(),
@@ -156,7 +157,7 @@ impl Scattered {
 
     /// Outgoing polar angles and azimuths in radians, some of them doubled, at which the interpolation for light from a direction
     /// has its nodes. `None` outside what was read.
-    pub(super) fn outgoing_nodes(&self, theta_i: f64, phi_i: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+    pub(crate) fn outgoing_nodes(&self, theta_i: f64, phi_i: f64) -> Option<(Vec<f64>, Vec<f64>)> {
         let around = |branch: &'_ Branch, angle: f64| {
             let between = branch.axis.locate(angle)?;
             Some(if between.t > 0.0 {
@@ -208,11 +209,11 @@ impl Scattered {
         Some((polar, azimuths))
     }
 
-    pub(super) fn incidences_rad(&self) -> Vec<f64> {
+    pub(crate) fn incidences_rad(&self) -> Vec<f64> {
         self.tree.axis.nodes_rad().to_vec()
     }
 
-    pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+    pub(crate) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
         let around = self.around_pair(omega_in, omega_out)?;
         let mut values = vec![0.0; self.channels];
         self.add(&around, 1.0, &mut values);
@@ -253,7 +254,7 @@ impl Scattered {
     }
 
     /// As [`super::Grid::add_turned`].
-    pub(super) fn add_turned(
+    pub(crate) fn add_turned(
         &self,
         omega_in: &Vec3,
         omega_out: &Vec3,

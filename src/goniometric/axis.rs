@@ -23,15 +23,15 @@ enum Beyond {
 
 /// The two nodes around an angle, and where between them it lies.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub(super) struct Between {
-    pub(super) below: usize,
-    pub(super) above: usize,
-    pub(super) t: f64,
-    pub(super) on_node: bool,
+pub(crate) struct Between {
+    pub(crate) below: usize,
+    pub(crate) above: usize,
+    pub(crate) t: f64,
+    pub(crate) on_node: bool,
 }
 
 /// Two nodes and their shares in a value.
-pub(super) type Shares = [(usize, f64); 2];
+pub(crate) type Shares = [(usize, f64); 2];
 
 impl Axis {
     /// Nodes ascend strictly and are not empty.
@@ -41,7 +41,7 @@ impl Axis {
     }
 
     /// Beyond its last node it keeps the value there.
-    pub(super) fn held(nodes_rad: Vec<f64>) -> Self {
+    pub(crate) fn held(nodes_rad: Vec<f64>) -> Self {
         let beyond = Beyond::Last;
         Self { nodes_rad, beyond }
     }
@@ -69,14 +69,14 @@ impl Axis {
     }
 
     /// Whether it stands for every angle.
-    pub(super) fn is_single(&self) -> bool {
+    pub(crate) fn is_single(&self) -> bool {
         self.beyond == Beyond::Everything
     }
 
     /// The axis with nodes at 0 and at the whole turn, for readers that do not close the circle themselves, and of each node
     /// the own nodes that its values are a mean of, with their shares. `None` where nothing is to be added: axes that are no
     /// whole circle, single azimuths, and circles that are closed.
-    pub(super) fn closed(&self) -> Option<(Self, Vec<Shares>)> {
+    pub(crate) fn closed(&self) -> Option<(Self, Vec<Shares>)> {
         if self.beyond != Beyond::First(TAU) {
             return None;
         }
@@ -102,7 +102,7 @@ impl Axis {
     }
 
     /// Share of the axis that each node stands for: half the gaps to its neighbours. They add up to 1.
-    pub(super) fn shares(&self) -> Vec<f64> {
+    pub(crate) fn shares(&self) -> Vec<f64> {
         let nodes = &self.nodes_rad;
         let last = nodes.len() - 1;
         if last == 0 {
@@ -124,7 +124,7 @@ impl Axis {
     }
 
     /// `None` outside what was measured.
-    pub(super) fn locate(&self, angle_rad: f64) -> Option<Between> {
+    pub(crate) fn locate(&self, angle_rad: f64) -> Option<Between> {
         let nodes = &self.nodes_rad;
         let last = nodes.len() - 1;
         let at = |node| {

@@ -6,16 +6,68 @@
 
 use std::f64::consts::TAU;
 
-use super::axis::Axis;
-use super::cosine::divide_by_cosine;
-use super::detect::Format;
-use super::error::remedy;
-use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table, rounded_deg};
-use super::grid::{Fold, Grid, Parameters};
-use super::specular::SpecularTable;
-use super::text::{NOT_NEGATIVE, Readings, Text, Token, Tokens, finite, quoted};
-use super::{FormatError, ReadOptions};
+use crate::formats::descriptor::{Beginning, Descriptor, Holds, Mark, Reader, USUAL_SIZES, Writer};
+use crate::formats::error::{FormatError, remedy};
+use crate::formats::options::ReadOptions;
+use crate::formats::text::{NOT_NEGATIVE, Readings, Text, Token, Tokens, finite, quoted};
+use crate::formats::write::integra as write;
+use crate::goniometric::{
+    Axis, Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Provenance, Quantity, Scatter, Side,
+    SpecularTable, Table, divide_by_cosine, radians,
+};
 use crate::spectrum::WavelengthGrid;
+
+pub(super) const DIFFUSE: Descriptor = Descriptor {
+    format: Format::new("ddr"),
+    words: "ddr, ddt",
+    extensions: &[("ddr", Some(Scatter::Reflection)), ("ddt", Some(Scatter::Transmission))],
+    sizes: USUAL_SIZES,
+    convention: None,
+    detect: |beginning| told(beginning, Kind::Diffuse),
+    read: Reader::Goniometric(|input| input.text(|text| read_diffuse(text, input.options))),
+    write: Some(Writer {
+        holds: Holds::Scattering,
+        errors: false,
+        variant: None,
+        write: write::diffuse,
+    }),
+};
+
+pub(super) const SPECULAR: Descriptor = Descriptor {
+    format: Format::new("sdr"),
+    words: "sdr, sdt",
+    extensions: &[("sdr", Some(Scatter::Reflection)), ("sdt", Some(Scatter::Transmission))],
+    sizes: USUAL_SIZES,
+    convention: None,
+    detect: |beginning| told(beginning, Kind::Specular),
+    read: Reader::Goniometric(|input| input.text(|text| read_specular(text, input.options))),
+    write: Some(Writer {
+        holds: Holds::Fractions,
+        errors: false,
+        variant: None,
+        write: write::specular,
+    }),
+};
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Diffuse,
+    Specular,
+}
+
+/// Whether it is of this kind: by the lists and statements before the first `def`.
+fn told(beginning: &Beginning, kind: Kind) -> Option<Mark> {
+    let mut found = None;
+    for (mark, word) in beginning.words() {
+        match word.as_str() {
+            "phi" | "theta" | "typesym" | "typedata" => found = Some(Kind::Diffuse),
+            "typecolormodel" | "sigma" => found = found.or(Some(Kind::Specular)),
+            "def" if found.is_some() => return (found == Some(kind)).then_some(mark),
+            _ => {}
+        }
+    }
+    (found == Some(kind)).then_some(Mark::Likely)
+}
 
 struct Header<'a> {
     source: Option<String>,
@@ -59,7 +111,7 @@ fn is_block(token: &Token) -> bool {
         .any(|word| token.is(word))
 }
 
-pub(super) fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniometric, FormatError> {
+fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniometric, FormatError> {
     let mut tokens = Tokens::new(text, ";;");
     let mut header = header(&mut tokens, true)?;
     let scatter = scatter_of(text.path, "ddr", "ddt", options, &mut header.warnings);
@@ -153,7 +205,7 @@ pub(super) fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniomet
         component.quantity = Quantity::Unscaled;
     }
     Ok(Goniometric {
-        format: Format::Ddr,
+        format: DIFFUSE.format,
         provenance: provenance(header.source, &tokens),
         components: vec![component],
         warnings: header.warnings,
@@ -193,7 +245,7 @@ fn make_absolute(
     Ok(())
 }
 
-pub(super) fn read_specular(text: Text, options: &ReadOptions) -> Result<Goniometric, FormatError> {
+fn read_specular(text: Text, options: &ReadOptions) -> Result<Goniometric, FormatError> {
     let mut tokens = Tokens::new(text, ";;");
     let mut header = header(&mut tokens, false)?;
     let scatter = scatter_of(text.path, "sdr", "sdt", options, &mut header.warnings);
@@ -216,7 +268,7 @@ pub(super) fn read_specular(text: Text, options: &ReadOptions) -> Result<Goniome
     let incidence = Axis::bounded(radians(&header.sigma_deg));
     let table = SpecularTable::new(incidence, Axis::azimuth(vec![0.0], TAU), count, values.collect());
     Ok(Goniometric {
-        format: Format::Sdr,
+        format: SPECULAR.format,
         provenance: provenance(header.source, &tokens),
         components: vec![Component {
             scatter,
@@ -492,12 +544,4 @@ fn provenance(source: Option<String>, tokens: &Tokens) -> Provenance {
         statements: Vec::new(),
         comments: tokens.comments().iter().filter(says).map(|&c| c.to_owned()).collect(),
     }
-}
-
-pub(super) fn radians(degrees: &[f64]) -> Vec<f64> {
-    degrees.iter().map(|angle| angle.to_radians()).collect()
-}
-
-pub(super) fn degrees(axis: &Axis) -> Vec<f64> {
-    axis.nodes_rad().iter().map(|&angle| rounded_deg(angle)).collect()
 }

@@ -1,7 +1,8 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::axis::Axis;
-use super::goniometric::{Placement, angles_of, direction};
+use super::direction::{angles_of, direction};
+use super::kinds::Placement;
 use crate::geometry::Vec3;
 
 /// Values over the half vector, through the warp that samples the visible normals (Dupuy and Jakob 2018, "An adaptive
@@ -30,32 +31,32 @@ enum Reduction {
 
 /// Values below 0 of directions above the horizon.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Negative {
-    pub(super) count: usize,
-    pub(super) lowest: f32,
+pub(crate) struct Negative {
+    pub(crate) count: usize,
+    pub(crate) lowest: f32,
     /// Sum of their magnitudes, and of the values above 0.
-    pub(super) sum: f64,
-    pub(super) positive_sum: f64,
+    pub(crate) sum: f64,
+    pub(crate) positive_sum: f64,
 }
 
 /// As they stand in the file, slices in the order φ_i, θ_i.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Arrays {
-    pub(super) isotropic: bool,
-    pub(super) phi_i: Vec<f64>,
-    pub(super) theta_i: Vec<f64>,
+pub(crate) struct Arrays {
+    pub(crate) isotropic: bool,
+    pub(crate) phi_i: Vec<f64>,
+    pub(crate) theta_i: Vec<f64>,
     /// Rows (over azimuth) and columns (over polar angle).
-    pub(super) ndf_shape: [usize; 2],
-    pub(super) ndf: Vec<f32>,
-    pub(super) sigma_shape: [usize; 2],
-    pub(super) sigma: Vec<f32>,
-    pub(super) vndf_shape: [usize; 2],
-    pub(super) vndf: Vec<f32>,
+    pub(crate) ndf_shape: [usize; 2],
+    pub(crate) ndf: Vec<f32>,
+    pub(crate) sigma_shape: [usize; 2],
+    pub(crate) sigma: Vec<f32>,
+    pub(crate) vndf_shape: [usize; 2],
+    pub(crate) vndf: Vec<f32>,
     /// Nodes along either side of the square the values are given on.
-    pub(super) size: usize,
-    pub(super) channels: usize,
-    pub(super) values: Vec<f32>,
-    pub(super) jacobian: bool,
+    pub(crate) size: usize,
+    pub(crate) channels: usize,
+    pub(crate) values: Vec<f32>,
+    pub(crate) jacobian: bool,
 }
 
 impl Reduction {
@@ -156,7 +157,7 @@ fn signed(phi_rad: f64) -> f64 {
 
 impl Warped {
     /// Lengths fit and were checked by the reader. The error says what was expected of the values.
-    pub(super) fn new(arrays: Arrays) -> Result<Self, &'static str> {
+    pub(crate) fn new(arrays: Arrays) -> Result<Self, &'static str> {
         let slice = arrays.vndf_shape[0] * arrays.vndf_shape[1];
         let warp: Option<Vec<Density>> = arrays
             .vndf
@@ -204,7 +205,7 @@ impl Warped {
     }
 
     /// Negative values that are not merely a continuation below the horizon, which smooths what lies above it.
-    pub(super) fn negative_above_horizon(&self) -> Negative {
+    pub(crate) fn negative_above_horizon(&self) -> Negative {
         let a = &self.arrays;
         let unwarped = self.is_unwarped();
         let square = a.size * a.size;
@@ -228,7 +229,7 @@ impl Warped {
     }
 
     /// Whether incident azimuths go all the way round, as pbrt and powitacq need them; or there is one.
-    pub(super) fn covers_circle(&self) -> bool {
+    pub(crate) fn covers_circle(&self) -> bool {
         let phi_i = &self.arrays.phi_i;
         self.arrays.isotropic || phi_i[phi_i.len() - 1] - phi_i[0] > TAU - 1e-3
     }
@@ -244,7 +245,7 @@ impl Warped {
 
     /// Polar angles of half vectors in radians at which the warp, the distribution of normals or, without a warp, the values have
     /// their nodes.
-    pub(super) fn polar_nodes(&self) -> Vec<f64> {
+    pub(crate) fn polar_nodes(&self) -> Vec<f64> {
         let a = &self.arrays;
         let mut columns = vec![a.vndf_shape[1], a.ndf_shape[1]];
         if self.is_unwarped() {
@@ -256,7 +257,7 @@ impl Warped {
         nodes.map(|x| x * x * FRAC_PI_2).collect()
     }
 
-    pub(super) fn incidences_rad(&self) -> Vec<f64> {
+    pub(crate) fn incidences_rad(&self) -> Vec<f64> {
         self.arrays.theta_i.clone()
     }
 
@@ -278,13 +279,13 @@ impl Warped {
         Some((slices, theta.on_node && phi.on_node))
     }
 
-    pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+    pub(crate) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
         let [incident, half] = half_angles(omega_in, omega_out)?;
         self.at(incident, half)
     }
 
     /// As [`super::Grid::add_turned`].
-    pub(super) fn add_turned(
+    pub(crate) fn add_turned(
         &self,
         omega_in: &Vec3,
         omega_out: &Vec3,
@@ -380,7 +381,7 @@ fn half_angles(omega_in: &Vec3, omega_out: &Vec3) -> Option<[(f64, f64); 2]> {
 
 /// Directions to light and viewer of a node of an unwarped square of n × n nodes, row y and column x; the viewer's may be
 /// below the horizon.
-pub(super) fn unwarped_node(theta_i: f64, phi_i: f64, isotropic: bool, n: usize, [y, x]: [usize; 2]) -> (Vec3, Vec3) {
+pub(crate) fn unwarped_node(theta_i: f64, phi_i: f64, isotropic: bool, n: usize, [y, x]: [usize; 2]) -> (Vec3, Vec3) {
     let unit = |node: usize| node as f64 / (n - 1) as f64;
     let theta_m = unit(x) * unit(x) * FRAC_PI_2;
     let phi_m = unit(y) * TAU - PI + if isotropic { phi_i } else { 0.0 };

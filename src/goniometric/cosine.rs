@@ -5,7 +5,7 @@ use super::grid::Grid;
 /// Divides values f cos θ_out by the cosine at their nodes, so that f is what is interpolated: a cosine has no straight course
 /// between nodes, and none to divide by at the horizon. Nodes there and below hold f of the next one above the horizon on
 /// their arc of the third angle, or else on the arc before or behind. Their number is returned.
-pub(super) fn divide_by_cosine(grid: &mut Grid) -> usize {
+pub(crate) fn divide_by_cosine(grid: &mut Grid) -> usize {
     /// Below this a value with few digits has no f.
     const HORIZON: f64 = 1e-4;
     let [n0, n1, n2, n3] = grid.shape();

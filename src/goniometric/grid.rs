@@ -1,7 +1,8 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::axis::{Axis, Between};
-use super::goniometric::{Placement, angles_of, direction, every_tenth_degree};
+use super::direction::{angles_of, direction, every_tenth_degree};
+use super::kinds::Placement;
 use crate::geometry::Vec3;
 
 /// The four angles a file gives its values over. Formulas take directions with the incident azimuth turned to 0; of
@@ -136,23 +137,23 @@ impl Grid {
         self.values[axes + channel * self.strides[4]]
     }
 
-    pub(super) fn channels(&self) -> usize {
+    pub(crate) fn channels(&self) -> usize {
         self.channels
     }
 
-    pub(super) fn set(&mut self, node: [usize; 4], channel: usize, value: f64) {
+    pub(crate) fn set(&mut self, node: [usize; 4], channel: usize, value: f64) {
         let axes: usize = node.iter().zip(&self.strides).map(|(i, stride)| i * stride).sum();
         self.values[axes + channel * self.strides[4]] = value;
     }
 
     /// The node of the last axis at an angle in radians, if there is one.
-    pub(super) fn last_node(&self, angle_rad: f64) -> Option<usize> {
+    pub(crate) fn last_node(&self, angle_rad: f64) -> Option<usize> {
         let angle = self.fold.apply(angle_rad.rem_euclid(TAU));
         let between = self.axes[3].locate(angle).filter(|between| between.on_node)?;
         Some(if between.t < 0.5 { between.below } else { between.above })
     }
 
-    pub(super) fn scale(&mut self, node: [usize; 2], channel: usize, by: f64) {
+    pub(crate) fn scale(&mut self, node: [usize; 2], channel: usize, by: f64) {
         let [_, _, n2, n3] = self.shape();
         for (i2, i3) in (0..n2).flat_map(|i2| (0..n3).map(move |i3| (i2, i3))) {
             let node = [node[0], node[1], i2, i3];
@@ -161,7 +162,7 @@ impl Grid {
     }
 
     /// The same nodes with other channels, as many as the map gives; `None` where some nodes have no data.
-    pub(super) fn with_channels(&self, channels: usize, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<Self> {
+    pub(crate) fn with_channels(&self, channels: usize, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<Self> {
         if self.has_holes {
             return None;
         }
@@ -184,7 +185,7 @@ impl Grid {
     }
 
     /// The same table with azimuths that close the circle ([`Axis::closed`]); nothing else changes.
-    pub(super) fn closed(&self) -> Self {
+    pub(crate) fn closed(&self) -> Self {
         let mut grid = self.clone();
         for axis in [1, 3] {
             grid = grid.closed_along(axis).unwrap_or(grid);
@@ -222,7 +223,7 @@ impl Grid {
 
     /// The largest difference, relative to the larger, between values at azimuths a whole turn apart, which are of one
     /// direction; 0 where the table has no two such azimuths.
-    pub(super) fn seam(&self) -> f64 {
+    pub(crate) fn seam(&self) -> f64 {
         let shape = self.shape();
         let mut largest = 0.0f64;
         for axis in [1, 3] {
@@ -264,14 +265,14 @@ impl Grid {
         std::array::from_fn(|axis| self.axes[axis].nodes_rad().len())
     }
 
-    pub(super) fn incidences_rad(&self) -> Vec<f64> {
+    pub(crate) fn incidences_rad(&self) -> Vec<f64> {
         match self.parameters {
             Parameters::HalfDifference => every_tenth_degree(),
             _ => self.axes[0].nodes_rad().to_vec(),
         }
     }
 
-    pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+    pub(crate) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
         let mut angles = self.angles(omega_in, omega_out)?;
         angles[3] = self.fold.apply(angles[3]);
         let mut around = [Between::default(); 4];
@@ -304,7 +305,7 @@ impl Grid {
 
     /// Adds `weight` times the values of the pair turned about the normal by each of the angles, and takes out of the list
     /// those at which there are values.
-    pub(super) fn add_turned(
+    pub(crate) fn add_turned(
         &self,
         omega_in: &Vec3,
         omega_out: &Vec3,
@@ -391,14 +392,14 @@ impl Grid {
         Some(angles)
     }
 
-    pub(super) fn offset(&self, offsets_rad: &[f64], theta_i: f64) -> Option<f64> {
+    pub(crate) fn offset(&self, offsets_rad: &[f64], theta_i: f64) -> Option<f64> {
         let b = self.axes[0].locate(theta_i)?;
         Some(offsets_rad[b.below] + b.t * (offsets_rad[b.above] - offsets_rad[b.below]))
     }
 
     /// Directions to light and viewer at a node. The viewer's may be below the horizon; both are `None` where there is no
     /// such pair.
-    pub(super) fn directions(&self, node: [usize; 4]) -> Option<(Vec3, Vec3)> {
+    pub(crate) fn directions(&self, node: [usize; 4]) -> Option<(Vec3, Vec3)> {
         let angle: [f64; 4] = std::array::from_fn(|axis| self.axes[axis].nodes_rad()[node[axis]]);
         let incident = direction(angle[0], angle[1]);
         let turn = |d: Vec3| about_z(&d, angle[1]);
@@ -428,7 +429,7 @@ impl Grid {
 
 impl Fold {
     /// The azimuths in radians that the value at a stored one stands for.
-    pub(super) fn images(self, phi_rad: f64) -> Vec<f64> {
+    pub(crate) fn images(self, phi_rad: f64) -> Vec<f64> {
         match self {
             Self::None => vec![phi_rad],
             Self::Mirror => vec![phi_rad, -phi_rad],
@@ -452,7 +453,7 @@ impl Fold {
     }
 }
 
-pub(super) fn about_z(d: &Vec3, angle_rad: f64) -> Vec3 {
+pub(crate) fn about_z(d: &Vec3, angle_rad: f64) -> Vec3 {
     let (sin, cos) = angle_rad.sin_cos();
     Vec3::new(cos * d.x - sin * d.y, sin * d.x + cos * d.y, d.z)
 }
@@ -467,7 +468,7 @@ fn specular_angles(omega_out: &Vec3, tilt_rad: f64) -> (f64, f64) {
     angles_of(&about_y(omega_out, tilt_rad))
 }
 
-pub(super) fn from_specular(theta_rad: f64, phi_rad: f64, tilt_rad: f64) -> Vec3 {
+pub(crate) fn from_specular(theta_rad: f64, phi_rad: f64, tilt_rad: f64) -> Vec3 {
     about_y(&direction(theta_rad, phi_rad), -tilt_rad)
 }
 
@@ -491,7 +492,7 @@ fn distorted_angles(omega_out: &Vec3, tilt_rad: f64) -> (f64, f64) {
     (r * FRAC_PI_2, azimuth)
 }
 
-pub(super) fn from_distorted(theta_rad: f64, phi_rad: f64, tilt_rad: f64) -> Vec3 {
+pub(crate) fn from_distorted(theta_rad: f64, phi_rad: f64, tilt_rad: f64) -> Vec3 {
     let r = theta_rad / FRAC_PI_2;
     let mirror = -tilt_rad / FRAC_PI_2;
     let (x, y) = (r * phi_rad.cos() + (1.0 - r) * mirror, r * phi_rad.sin());

@@ -1,6 +1,6 @@
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use super::goniometric::Placement;
+use super::kinds::Placement;
 use crate::geometry::Vec3;
 
 /// A value constant on the cells of a tree that halves each axis of the unit cube again and again, down to where the
@@ -14,7 +14,7 @@ pub struct TensorTree {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Node {
+pub(crate) enum Node {
     /// One child for each combination of lower and upper half, bit i of its number for the upper half of axis i.
     Branch(Vec<Node>),
     /// 2^(k rank) values on a regular grid, axis 0 slowest.
@@ -22,7 +22,7 @@ pub(super) enum Node {
 }
 
 impl TensorTree {
-    pub(super) fn new(rank: usize, trees: Vec<Node>) -> Self {
+    pub(crate) fn new(rank: usize, trees: Vec<Node>) -> Self {
         Self { rank, trees }
     }
 
@@ -41,7 +41,7 @@ impl TensorTree {
         self.rank == 3
     }
 
-    pub(super) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
+    pub(crate) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
         let mut place = self.incident_place(omega_in);
         let outgoing = self.rank - 2..self.rank;
         if self.rank == 4 {
@@ -77,7 +77,7 @@ impl TensorTree {
 
     /// ∫ f cos θ_out dω_out a channel, of light from a direction: exact, as f is constant on the leaves and the map from
     /// the disc of projected directions to the square keeps areas.
-    pub(super) fn hemispherical(&self, omega_in: &Vec3) -> Vec<f64> {
+    pub(crate) fn hemispherical(&self, omega_in: &Vec3) -> Vec<f64> {
         let place = self.incident_place(omega_in);
         let mut sums = vec![0.0; self.channels()];
         self.add(place, [0.0, 0.0], 0, &mut sums);

@@ -4,14 +4,42 @@
 
 use roxmltree::{Document, Node as Element, ParsingOptions};
 
-use super::FormatError;
-use super::detect::Format;
-use super::error::{Place, remedy};
-use super::goniometric::{Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table};
-use super::klems::{KlemsBasis, KlemsMatrix};
-use super::tensor_tree::{Node, TensorTree};
-use super::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
+use crate::formats::descriptor::{Beginning, Descriptor, Holds, Mark, Reader, USUAL_SIZES, Writer};
+use crate::formats::error::{FormatError, Place, remedy};
+use crate::formats::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
+use crate::formats::write::radiance as write;
+use crate::goniometric::{
+    Channels, Component, Format, Goniometric, KlemsBasis, KlemsMatrix, Node, Provenance, Quantity, Scatter, Side,
+    Table, TensorTree,
+};
 use crate::number::shown;
+
+pub(super) const FORMAT: Descriptor = Descriptor {
+    format: Format::new("klems"),
+    words: "radiance xml",
+    extensions: &[("xml", None)],
+    sizes: USUAL_SIZES,
+    convention: Some(
+        "the front is +z, as in Radiance; WINDOW calls that side Back, so that `Reflection Back` has its light on it. \
+         Incident patches are those of the opposite azimuth: directions point away from the surface here, and the light's \
+         run towards it in WINDOW",
+    ),
+    detect: told,
+    read: Reader::Goniometric(|input| input.text(read)),
+    write: Some(Writer {
+        holds: Holds::Sides,
+        errors: false,
+        variant: None,
+        write: write::write,
+    }),
+};
+
+fn told(beginning: &Beginning) -> Option<Mark> {
+    let text = &beginning.text;
+    // Programs may print a line or two before the XML.
+    let is_xml = text.trim_start().starts_with('<') || text.contains("<?xml") || text.contains("<WindowElement");
+    is_xml.then_some(Mark::Word { line: 0, word: 0 })
+}
 
 /// A basis or a nesting beyond these is none that can be meant.
 const LATITUDES: usize = 46;
@@ -87,7 +115,7 @@ struct Blocks<'n> {
     data: [Option<Element<'n, 'n>>; 3],
 }
 
-pub(super) fn read(text: Text) -> Result<Goniometric, FormatError> {
+fn read(text: Text) -> Result<Goniometric, FormatError> {
     let begins = begin(text.text);
     // A document type names rules that nothing here needs; entities could make a small file endless.
     if let Some(at) = text.text[begins..].find("<!ENTITY") {
@@ -202,7 +230,7 @@ pub(super) fn read(text: Text) -> Result<Goniometric, FormatError> {
         }
     }
     Ok(Goniometric {
-        format: Format::RadianceXml,
+        format: FORMAT.format,
         provenance,
         components,
         warnings,

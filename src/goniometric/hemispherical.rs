@@ -10,8 +10,10 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::goniometric::{Component, Quantity, Table, direction};
+use super::data::{Component, Table};
+use super::direction::direction;
 use super::grid::{Grid, Parameters, about_z, from_distorted, from_specular};
+use super::kinds::Quantity;
 use super::scattered::{Directions, Scattered};
 use super::warped::Warped;
 use crate::geometry::Vec3;
@@ -282,7 +284,7 @@ impl Component {
     }
 
     /// As [`Self::directional_hemispherical`], of whatever the values are a multiple of.
-    pub(super) fn integrated(&self, theta_i_rad: f64, phi_i_rad: f64) -> Option<Hemispherical> {
+    pub(crate) fn integrated(&self, theta_i_rad: f64, phi_i_rad: f64) -> Option<Hemispherical> {
         let omega_in = direction(theta_i_rad, phi_i_rad);
         let exact = |values: Vec<f64>| Hemispherical {
             errors: vec![0.0; values.len()],
@@ -332,7 +334,7 @@ impl Component {
     /// Points all over the hemisphere of outgoing directions (upright, as tables know them), light being from above: direction,
     /// cos θ dω, and f cos θ dω a channel. Their sums are [`Self::directional_hemispherical`] to the error of that. Nothing of tables that are constant
     /// on cells, nor where nothing was measured.
-    pub(super) fn visit_hemisphere(&self, theta_i: f64, phi_i: f64, mut visit: impl FnMut(&Vec3, f64, &[f64])) {
+    pub(crate) fn visit_hemisphere(&self, theta_i: f64, phi_i: f64, mut visit: impl FnMut(&Vec3, f64, &[f64])) {
         let Some(integral) = self.integral(theta_i, phi_i) else {
             return;
         };

@@ -34,7 +34,7 @@ impl SpecularTable {
     }
 
     /// The same table with azimuths that close the circle ([`Axis::closed`]).
-    pub(super) fn closed(&self) -> Self {
+    pub(crate) fn closed(&self) -> Self {
         let Some((azimuth, shares)) = self.azimuth.closed() else {
             return self.clone();
         };
