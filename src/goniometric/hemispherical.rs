@@ -12,8 +12,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::data::{Component, Table};
 use super::direction::direction;
-use super::grid::{Grid, Parameters, about_z, from_distorted, from_specular};
+use super::grid::Grid;
 use super::kinds::Quantity;
+use super::parameters::{Parameters, about_z, from_distorted, from_specular};
 use super::scattered::{Directions, Scattered};
 use super::warped::Warped;
 use crate::geometry::Vec3;

@@ -1,7 +1,8 @@
 //! At a pole a grid has one node for each azimuth, and all are one direction: they get one value.
 
 use super::data::{Goniometric, Table};
-use super::grid::{Grid, Parameters};
+use super::grid::Grid;
+use super::parameters::Parameters;
 
 /// Nodes of a pole that differ by less, of the largest of them, are told apart by rounding alone.
 const ROUNDING: f64 = 1e-9;

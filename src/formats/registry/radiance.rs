@@ -2,15 +2,20 @@
 //!
 //! `Reflection Back` and `Transmission Back` have their light on +z, `Front` on −z.
 
+mod tree;
+mod xml;
+
 use roxmltree::{Document, Node as Element, ParsingOptions};
 
+use self::tree::tree;
+use self::xml::{AnySpace, Xml, child, words};
 use crate::formats::descriptor::{Beginning, Descriptor, Holds, Mark, Reader, USUAL_SIZES, Writer};
 use crate::formats::error::{FormatError, Place, remedy};
 use crate::formats::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
 use crate::formats::write::radiance as write;
 use crate::goniometric::{
-    Channels, Component, Format, Goniometric, KlemsBasis, KlemsMatrix, Node, Provenance, Quantity, Scatter, Side,
-    Table, TensorTree,
+    Channels, Component, Format, Goniometric, KlemsBasis, KlemsMatrix, Provenance, Quantity, Scatter, Side, Table,
+    TensorTree,
 };
 use crate::number::shown;
 
@@ -41,72 +46,9 @@ fn told(beginning: &Beginning) -> Option<Mark> {
     is_xml.then_some(Mark::Word { line: 0, word: 0 })
 }
 
-/// A basis or a nesting beyond these is none that can be meant.
+/// A basis beyond these is none that can be meant.
 const LATITUDES: usize = 46;
 const PATCHES: usize = 10_000;
-const DEPTH: usize = 64;
-
-struct Xml<'a> {
-    text: Text<'a>,
-    /// Byte of the text at which the XML begins.
-    begins: usize,
-}
-
-impl Xml<'_> {
-    fn error(
-        &self,
-        element: Element,
-        expected: impl Into<String>,
-        found: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> FormatError {
-        let at = self.begins + element.range().start;
-        self.text.error(at, expected, found, remedy)
-    }
-
-    fn missing(&self, element: Element, name: &str) -> FormatError {
-        let remedy = format!("add <{name}>, or export the file again: the format needs it");
-        self.error(element, format!("an element <{name}> in it"), "none", remedy)
-    }
-
-    fn child<'n>(&self, element: Element<'n, 'n>, name: &str) -> Result<Element<'n, 'n>, FormatError> {
-        child(element, name).ok_or_else(|| self.missing(element, name))
-    }
-
-    fn words<'n>(&self, element: Element<'n, 'n>, name: &str) -> Result<&'n str, FormatError> {
-        Ok(words(self.child(element, name)?))
-    }
-
-    fn number(&self, element: Element<'_, '_>, name: &str) -> Result<f64, FormatError> {
-        let child = element.children().find(|n| n.has_tag_name_in_any_space(name));
-        let child = child.ok_or_else(|| self.missing(element, name))?;
-        let word = child.text().unwrap_or_default().trim();
-        let range = 0.0..=1e6;
-        finite(word, &range).ok_or_else(|| {
-            let expected = format!("a number in <{name}>, 0 or more");
-            self.error(child, expected, quoted(word), remedy_for(word, &range))
-        })
-    }
-}
-
-/// WINDOW puts its elements into a name space, others do not.
-trait AnySpace {
-    fn has_tag_name_in_any_space(&self, name: &str) -> bool;
-}
-
-impl AnySpace for Element<'_, '_> {
-    fn has_tag_name_in_any_space(&self, name: &str) -> bool {
-        self.is_element() && self.tag_name().name() == name
-    }
-}
-
-fn child<'n>(element: Element<'n, 'n>, name: &str) -> Option<Element<'n, 'n>> {
-    element.children().find(|n| n.has_tag_name_in_any_space(name))
-}
-
-fn words<'n>(element: Element<'n, 'n>) -> &'n str {
-    element.text().unwrap_or_default().trim()
-}
 
 /// The blocks of one direction, by their place in X, Y, Z or in Y, u′, v′.
 struct Blocks<'n> {
@@ -431,95 +373,4 @@ fn basis(xml: &Xml, definition: Element, name: &str, at: Element) -> Result<Klem
             "correct the blocks of the basis, or export it again",
         )
     })
-}
-
-fn tree(xml: &Xml, block: Element, rank: usize, readings: &mut Readings) -> Result<Node, FormatError> {
-    let data = block.children().find(|n| n.has_tag_name_in_any_space("ScatteringData"));
-    let data = data.ok_or_else(|| xml.missing(block, "ScatteringData"))?;
-    let text = data.text().unwrap_or_default();
-    let mut words = Braces { rest: text };
-    let refuse = |expected: String, found: &str| {
-        let remedy = "compare the braces: a tree that was cut short or edited is to be exported again";
-        xml.error(data, expected, quoted(found), remedy)
-    };
-    if words.next() != Some("{") {
-        return Err(refuse("'{' at the beginning of a tree".into(), text.trim_start()));
-    }
-    // Nodes begun and not yet ended: their children and their values.
-    let mut open: Vec<(Vec<Node>, Vec<f64>)> = vec![Default::default()];
-    loop {
-        let word = words.next().ok_or_else(|| refuse("'}' for every '{'".into(), ""))?;
-        match word {
-            "{" => {
-                if open.len() == DEPTH {
-                    return Err(refuse(format!("at most {DEPTH} nested braces"), "more"));
-                }
-                open.push(Default::default());
-            }
-            "}" => {
-                let (children, values) = open.pop().unwrap_or_default();
-                let node = ended(children, values, rank).map_err(|found| {
-                    let expected = format!(
-                        "{} nodes, or a power of {} values, between braces",
-                        1 << rank,
-                        1 << rank
-                    );
-                    refuse(expected, &found)
-                })?;
-                match open.last_mut() {
-                    Some((siblings, _)) => siblings.push(node),
-                    None if words.next().is_none() => return Ok(node),
-                    None => return Err(refuse("the end of the tree after its last brace".into(), "more")),
-                }
-            }
-            number => {
-                let value = finite(number, &FINITE).ok_or_else(|| {
-                    xml.error(
-                        data,
-                        "values in 1/sr, 0 or more",
-                        quoted(number),
-                        remedy_for(number, &FINITE),
-                    )
-                })?;
-                readings.take(value, xml.begins + data.range().start);
-                if let Some((_, values)) = open.last_mut() {
-                    values.push(value);
-                }
-            }
-        }
-    }
-}
-
-fn ended(children: Vec<Node>, values: Vec<f64>, rank: usize) -> Result<Node, String> {
-    let found = format!("{} nodes and {} values", children.len(), values.len());
-    if values.is_empty() && children.len() == 1 << rank {
-        return Ok(Node::Branch(children));
-    }
-    let count = values.len();
-    let fits = children.is_empty() && count.is_power_of_two() && (count.trailing_zeros() as usize).is_multiple_of(rank);
-    if fits { Ok(Node::Grid(values)) } else { Err(found) }
-}
-
-/// Braces and numbers between commas and white space.
-struct Braces<'a> {
-    rest: &'a str,
-}
-
-impl<'a> Iterator for Braces<'a> {
-    type Item = &'a str;
-
-    fn next(&mut self) -> Option<&'a str> {
-        let between = |c: char| c.is_whitespace() || c == ',';
-        self.rest = self.rest.trim_start_matches(between);
-        let end = match self.rest.chars().next()? {
-            '{' | '}' => 1,
-            _ => self
-                .rest
-                .find(|c: char| between(c) || c == '{' || c == '}')
-                .unwrap_or(self.rest.len()),
-        };
-        let (word, rest) = self.rest.split_at(end);
-        self.rest = rest;
-        Some(word)
-    }
 }
