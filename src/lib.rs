@@ -18,6 +18,7 @@
 //! - `yarn`: light in one yarn: BSSRDF and yarn response f*
 //! - `cloth`: weaves, centre lines, tubes, the scene a camera sees
 //! - `woven`: light between the yarns of a cloth
+//! - `goniometric`: measured scattering in memory: tables, evaluation, hemispherical values
 //! - `formats`: files of goniometric measurements and drafts
 //! - `weave`: drafts by name or from files
 //! - `rig`: directions, camera rays and brightness factors
@@ -36,6 +37,7 @@ pub mod compare;
 pub mod fault;
 pub mod formats;
 pub mod geometry;
+pub mod goniometric;
 pub mod number;
 pub mod optics;
 pub mod output;

@@ -1,11 +1,11 @@
-use super::convert::{ConvertError, Target, by_extension, target_of};
+use super::convert::{ConvertError, Target, by_extension, target_of, targets};
 use super::inspect::scatter_of;
 use super::measure::Method;
 use super::{Failure, Options, Replace, Terminal, claim, in_words, inputs_of, study};
 use serde::Serialize;
 use specval::artefact::Identity;
 use specval::formats::{
-    self, Channels, Encoding, Format, Goniometric, KlemsBasis, Provenance, Scatter, Side, WriteError, WriteOptions,
+    self, Channels, Encoding, Format, Goniometric, Holds, KlemsBasis, Provenance, Scatter, Side, WriteOptions, registry,
 };
 use specval::output::{Place, beside, write_all};
 use specval::report::InputDigest;
@@ -48,8 +48,10 @@ pub struct Arguments {
     method: Option<Method>,
     #[command(flatten)]
     replace: Replace,
-    /// Format to write: csv, ddr, sdr, ssdd, ssdd-binary, astm, merl, rgl or klems; without it the extension of --out says.
-    #[arg(long, value_name = "FORMAT", value_parser = target_of)]
+    #[arg(
+        long, value_name = "FORMAT", value_parser = target_of,
+        help = format!("Format to write: {}; without it the extension of --out says", targets())
+    )]
     to: Option<Target>,
     /// What to write in a format that holds one of the two: reflection or transmission.
     #[arg(long, value_name = "KIND", value_parser = scatter_of)]
@@ -182,7 +184,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     if full.no_fold {
         group.truncate(1);
     }
-    let klems = format == Format::RadianceXml;
+    let klems = format == Format::RADIANCE_XML;
     let cells = full.cells(format)?;
     let colours = full.colours(format);
     let smaller = if full.rgb {
@@ -193,7 +195,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     check_size(&cells, format, encoding, &colours.channels(&plan.grid), smaller)?;
     if full.errors.is_some() {
         let spectra = Colours::Spectral.channels(&plan.grid);
-        check_size(&cells, Format::Csv, Encoding::Text, &spectra, " or leave --errors out")?;
+        check_size(&cells, Format::CSV, Encoding::Text, &spectra, " or leave --errors out")?;
     }
     let measurement = FullMeasurement::new(cells, group, klems, batches, plan.study.seed, &plan.grid)?;
     measurement.check_memory(&plan.study, method)?;
@@ -228,7 +230,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     let mut data = Goniometric {
         format,
         provenance,
-        components: bsdf.components(colours, format == Format::Csv, &mut notices)?,
+        components: bsdf.components(colours, format == Format::CSV, &mut notices)?,
         warnings: Vec::new(),
     };
     let written = formats::write(
@@ -242,8 +244,8 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     )?;
     notices.extend(written.notices);
     match format {
-        Format::Sdr | Format::Ssdd => {}
-        Format::RadianceXml => notices.push(GAPS_IN_PATCHES.into()),
+        Format::SDR | Format::SSDD => {}
+        Format::RADIANCE_XML => notices.push(GAPS_IN_PATCHES.into()),
         _ => {
             let gaps = "light straight through the gaps is not in the file";
             notices.push(match &files.hemispherical {
@@ -263,7 +265,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
                 scatter,
                 ..WriteOptions::default()
             };
-            Some((place, formats::write(&data, Format::Csv, &of_component)?.bytes))
+            Some((place, formats::write(&data, Format::CSV, &of_component)?.bytes))
         }
         None => None,
     };
@@ -315,11 +317,12 @@ fn check_size(
     channels: &Channels,
     smaller: &'static str,
 ) -> Result<(), FullError> {
+    let most_bytes = registry::descriptor(format).most_bytes();
     match cells.expected_bytes(format, encoding, channels) {
-        Some(expected) if expected > format.most_bytes() => Err(FullError::TooLarge {
+        Some(expected) if expected > most_bytes => Err(FullError::TooLarge {
             format,
             expected_mib: expected >> 20,
-            most_mib: format.most_bytes() >> 20,
+            most_mib: most_bytes >> 20,
             smaller,
         }),
         _ => Ok(()),
@@ -356,26 +359,19 @@ impl Arguments {
         let format = target.format;
         let scatter = self.scatter.or(scatter);
         let refuse = |holds, option| Err(FullError::Option { format, holds, option }.into());
-        match format {
-            Format::Zemax | Format::LightTools | Format::Utia | Format::Wif => {
-                Err(WriteError::NotWritten { format }.into())
-            }
-            Format::Rgl | Format::Merl if scatter == Some(Scatter::Transmission) => {
-                refuse("reflection alone", "--scatter")
-            }
-            Format::Sdr if scatter == Some(Scatter::Reflection) => {
+        match registry::writer(format)?.holds {
+            Holds::Reflection if scatter == Some(Scatter::Transmission) => refuse("reflection alone", "--scatter"),
+            Holds::Fractions if scatter == Some(Scatter::Reflection) => {
                 refuse("what goes straight through the gaps, a transmission", "--scatter")
             }
-            Format::RadianceXml | Format::Ssdd if self.scatter.is_some() => {
-                refuse("reflection and transmission", "--scatter")
-            }
-            Format::RadianceXml if self.rgb => refuse("X, Y, Z", "--rgb"),
+            Holds::Kinds | Holds::Sides if self.scatter.is_some() => refuse("reflection and transmission", "--scatter"),
+            _ if self.rgb && format == Format::RADIANCE_XML => refuse("X, Y, Z", "--rgb"),
             _ => Ok((target, scatter)),
         }
     }
 
     fn cells(&self, format: Format) -> Result<Cells, Failure> {
-        if format == Format::RadianceXml
+        if format == Format::RADIANCE_XML
             && let Some(basis) = KlemsBasis::named("LBNL/Klems Full")
         {
             return Ok(Cells::Patches(basis));
@@ -386,8 +382,8 @@ impl Arguments {
 
     fn colours(&self, format: Format) -> Colours {
         match format {
-            Format::RadianceXml => Colours::Xyz,
-            Format::Merl => Colours::Rgb,
+            Format::RADIANCE_XML => Colours::Xyz,
+            Format::MERL => Colours::Rgb,
             _ if self.rgb => Colours::Rgb,
             _ => Colours::Spectral,
         }

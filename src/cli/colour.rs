@@ -134,7 +134,7 @@ fn no_spectra(error: impl Into<Failure>, path: &Path) -> Failure {
 
 fn read(path: &Path, chosen: Chosen) -> Result<Spectra, Failure> {
     let format = formats::format_of(path);
-    if matches!(format, Ok(Format::Csv)) {
+    if matches!(format, Ok(Format::CSV)) {
         return readings(path, chosen);
     }
     match (SpectraFile::read(path), format) {
@@ -142,7 +142,7 @@ fn read(path: &Path, chosen: Chosen) -> Result<Spectra, Failure> {
             chosen.refuse_for("a table of spectra")?;
             Ok(named(file)?)
         }
-        (Err(_), Ok(format)) if format != Format::Wif => readings(path, chosen),
+        (Err(_), Ok(format)) if format != Format::WIF => readings(path, chosen),
         (Err(error), _) => Err(error.into()),
     }
 }

@@ -1,6 +1,7 @@
 use super::inspect::{Chosen, Reading, scatter_word};
 use super::{Failure, Options, Replace, claim, in_words};
 use serde::Serialize;
+use specval::formats::registry;
 use specval::formats::{self, Encoding, Format, Scatter, WriteOptions};
 use specval::output::write_whole;
 use std::path::{Path, PathBuf};
@@ -15,8 +16,7 @@ pub struct Arguments {
     /// File to write; without --to its extension says in which format.
     #[arg(value_name = "OUT")]
     output: PathBuf,
-    /// Format to write: csv, ddr, sdr, ssdd, ssdd-binary, astm, merl, rgl or klems.
-    #[arg(long, value_name = "FORMAT", value_parser = target_of)]
+    #[arg(long, value_name = "FORMAT", value_parser = target_of, help = format!("Format to write: {}", targets()))]
     to: Option<Target>,
     #[command(flatten)]
     chosen: Chosen,
@@ -29,8 +29,8 @@ pub struct Arguments {
 #[derive(Debug, thiserror::Error)]
 pub(super) enum ConvertError {
     #[error(
-        "{}: expected an extension that names a format (csv, ddr, ddt, sdr, sdt, ssdd, astm, binary, bsdf, xml), found none \
-         of them; say --to FORMAT", path.display()
+        "{}: expected an extension that names a format ({}), found none of them; say --to FORMAT",
+        path.display(), registry::extensions().map(|(extension, ..)| extension).collect::<Vec<_>>().join(", ")
     )]
     Extension { path: PathBuf },
     #[error(
@@ -71,18 +71,23 @@ impl From<Format> for Target {
     }
 }
 
+/// Names of what can be written, as a list.
+pub(super) fn targets() -> String {
+    registry::any_of(&registry::targets().map(|(name, ..)| name).collect::<Vec<_>>())
+}
+
 pub(super) fn target_of(name: &str) -> Result<Target, String> {
     let name = name.to_ascii_lowercase();
-    if name == "ssdd-binary" {
-        return Ok(Target {
-            format: Format::Ssdd,
-            encoding: Encoding::Binary,
-        });
-    }
-    let known = Format::ALL.into_iter().find(|format| format.name() == name);
-    known
-        .map(Target::from)
-        .ok_or_else(|| "expected csv, ddr, sdr, ssdd, ssdd-binary, astm, merl, rgl or klems".into())
+    let written = registry::targets().map(|(known, format, encoding)| (known, Target { format, encoding }));
+    // Those that are read alone are refused with the reason.
+    let all = registry::all()
+        .iter()
+        .map(|known| (known.format.name(), known.format.into()));
+    written
+        .chain(all)
+        .find(|(known, _)| *known == name)
+        .map(|(_, target)| target)
+        .ok_or_else(|| format!("expected {}", targets()))
 }
 
 /// What the extension of a file to be written says: its format and, in Integra's files, its kind.
@@ -92,38 +97,22 @@ pub(super) fn by_extension(path: &Path) -> (Option<Format>, Option<Scatter>) {
         .unwrap_or_default()
         .to_string_lossy()
         .to_ascii_lowercase();
-    match extension.as_str() {
-        "csv" => (Some(Format::Csv), None),
-        "ddr" => (Some(Format::Ddr), Some(Scatter::Reflection)),
-        "ddt" => (Some(Format::Ddr), Some(Scatter::Transmission)),
-        "sdr" => (Some(Format::Sdr), Some(Scatter::Reflection)),
-        "sdt" => (Some(Format::Sdr), Some(Scatter::Transmission)),
-        "ssdd" => (Some(Format::Ssdd), None),
-        "astm" => (Some(Format::Astm), None),
-        "binary" => (Some(Format::Merl), None),
-        "bsdf" => (Some(Format::Rgl), None),
-        "xml" => (Some(Format::RadianceXml), None),
-        _ => (None, None),
+    match registry::extensions().find(|(known, ..)| *known == extension) {
+        Some((_, format, scatter)) => (Some(format), scatter),
+        None => (None, None),
     }
 }
 
 pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let output = &arguments.output;
-    let (by_name, scatter) = by_extension(output);
+    let (by_format, scatter) = by_extension(output);
     if let (Some(by_name), Some(asked)) = (scatter, arguments.chosen.scatter)
         && by_name != asked
     {
-        let extension = match (
-            output
-                .extension()
-                .is_some_and(|e| e.to_string_lossy().starts_with(['s', 'S'])),
-            asked,
-        ) {
-            (true, Scatter::Reflection) => "sdr",
-            (true, Scatter::Transmission) => "sdt",
-            (false, Scatter::Reflection) => "ddr",
-            (false, Scatter::Transmission) => "ddt",
-        };
+        // Formats that state one kind by an extension have one for the other.
+        let mut of_format = registry::extensions().filter(|(_, format, _)| Some(*format) == by_format);
+        let other = of_format.find(|(.., scatter)| *scatter == Some(asked));
+        let extension = other.map_or("", |(extension, ..)| extension);
         let path = output.clone();
         let (by_name, asked) = (scatter_word(by_name), scatter_word(asked));
         return Err(ConvertError::Scatter {
@@ -136,7 +125,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     }
     let Target { format, encoding } = arguments
         .to
-        .or(by_name.map(Target::from))
+        .or(by_format.map(Target::from))
         .ok_or_else(|| ConvertError::Extension { path: output.clone() })?;
     let inputs = slice::from_ref(&arguments.input);
     let (places, terminal) = claim(&[output], inputs, &arguments.replace, options)?;

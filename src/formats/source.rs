@@ -4,14 +4,27 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use super::FormatError;
-use super::detect::{Format, detect};
+use super::descriptor::Descriptor;
+use super::error::FormatError;
+use super::registry::detect;
+
+use crate::goniometric::Format;
 
 /// Bytes of a file's beginning by which its format is known.
 pub(super) const HEAD: usize = 64 << 10;
 
-/// A file's format, the file, its first bytes and its size, which its format can have.
-pub(super) fn open(path: &Path) -> Result<(Format, File, Vec<u8>, u64), FormatError> {
+/// A file of a known format.
+pub(super) struct Opened {
+    pub(super) known: &'static Descriptor,
+    file: File,
+    /// Its first bytes, which are read.
+    head: Vec<u8>,
+    /// Bytes of all of it, which its format can have.
+    size: u64,
+}
+
+/// A file whose size its format can have.
+pub(super) fn open(path: &Path) -> Result<Opened, FormatError> {
     let name = path.display().to_string();
     let fail = failed(&name);
     // Asked before opening: to open a named pipe is to wait for ever.
@@ -25,8 +38,8 @@ pub(super) fn open(path: &Path) -> Result<(Format, File, Vec<u8>, u64), FormatEr
     let size = there.len();
     let mut head = Vec::new();
     file.by_ref().take(HEAD as u64).read_to_end(&mut head).map_err(&fail)?;
-    let format = detect(&name, &head, size)?;
-    let sizes = format.sizes();
+    let known = detect(&name, &head, size)?;
+    let (format, sizes) = (known.format, &known.sizes);
     if !sizes.contains(&size) {
         let expected = if sizes.start() == sizes.end() {
             format!("{} bytes, as every file of the format {format} has", sizes.end())
@@ -40,35 +53,33 @@ pub(super) fn open(path: &Path) -> Result<(Format, File, Vec<u8>, u64), FormatEr
         };
         return Err(FormatError::file(&name, expected, format!("{size} bytes"), remedy));
     }
-    Ok((format, file, head, size))
+    Ok(Opened {
+        known,
+        file,
+        head,
+        size,
+    })
 }
 
 /// The bytes of a file of at most so many as its format can have, and that format.
-pub(crate) fn read(path: &Path) -> Result<(Format, Vec<u8>), FormatError> {
-    let (format, file, mut bytes, size) = open(path)?;
+pub(super) fn read(path: &Path) -> Result<(&'static Descriptor, Vec<u8>), FormatError> {
+    let Opened {
+        known,
+        file,
+        head: mut bytes,
+        size,
+    } = open(path)?;
     // Not more than promised, should the file grow meanwhile.
     let rest = size.saturating_sub(bytes.len() as u64);
     bytes.reserve_exact(rest as usize);
     let name = path.display().to_string();
     file.take(rest).read_to_end(&mut bytes).map_err(failed(&name))?;
-    Ok((format, bytes))
+    Ok((known, bytes))
 }
 
-/// Whether most numbers that are not 0 are of no magnitude that scattering has, as those with their bytes reversed are.
-pub(super) fn is_implausible(values: impl Iterator<Item = f64>) -> bool {
-    let (mut all, mut odd) = (0usize, 0usize);
-    for value in values.filter(|v| *v != 0.0) {
-        all += 1;
-        odd += usize::from(!(1e-12..=1e12).contains(&value.abs()));
-    }
-    2 * odd > all
-}
-
-/// The error of numbers that [`is_implausible`] tells.
-pub(super) fn swapped(path: &str, offset: usize) -> FormatError {
-    let found = "numbers most of which are beyond 1e-12 to 1e12, as with their bytes in reversed order";
-    let remedy = "reverse the bytes of each number, or copy the original file again in binary mode";
-    FormatError::byte(path, offset, "little-endian numbers", found, remedy)
+/// As [`read`], with the name of the format alone.
+pub(crate) fn read_bytes(path: &Path) -> Result<(Format, Vec<u8>), FormatError> {
+    read(path).map(|(known, bytes)| (known.format, bytes))
 }
 
 fn failed(name: &str) -> impl Fn(std::io::Error) -> FormatError + '_ {

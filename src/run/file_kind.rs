@@ -48,8 +48,8 @@ impl FileKind {
         let text = std::str::from_utf8(&bytes).ok();
         text.and_then(of_text).or_else(|| match formats::format_of(path) {
             // Square brackets alone, as in a study that cannot be read.
-            Ok(Format::Wif) => None,
-            Ok(Format::Csv) => Some(Self::Sample),
+            Ok(Format::WIF) => None,
+            Ok(Format::CSV) => Some(Self::Sample),
             Ok(format) => Some(Self::Goniometric(format)),
             Err(_) => text.and_then(of_titles),
         })

@@ -1,6 +1,7 @@
-use super::data::{Axis, Row};
-use super::{Chosen, SampleError};
-use crate::formats::{Channels, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
+use super::description::Chosen;
+use super::error::SampleError;
+use super::row::{Axis, Row};
+use crate::goniometric::{Channels, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
 use crate::spectrum::WavelengthGrid;
 use crate::spectrum::plausibility;
 

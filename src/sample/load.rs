@@ -3,11 +3,15 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::data::{self, Data};
+use super::curves::curves;
+use super::description::{Chosen, Description, Uncertainty};
+use super::error::SampleError;
 use super::goniometric::GoniometricData;
-use super::{Chosen, Description, PublishedRatios, Sample, SampleError, Uncertainty};
-use crate::formats::{self, Format, Goniometric, ReadOptions};
-use crate::spectrum::UnknownName;
+use super::measured::{Data, Sample};
+use super::ratios::{PublishedRatios, ratios};
+use crate::formats::{self, Format, ReadOptions};
+use crate::goniometric::Goniometric;
+use crate::spectrum::{CsvTable, UnknownName};
 use crate::text::encoding::beginning;
 use crate::text::{Heading, heading};
 
@@ -36,7 +40,7 @@ const BUILT_IN: [BuiltIn; 3] = [
 /// Table 1 of the preprint: ratios of the real cotton and the range of its model.
 pub fn published_ratios() -> Result<PublishedRatios, SampleError> {
     let cotton = &BUILT_IN[2];
-    Ok(data::ratios(cotton.name, cotton.data.as_bytes())?)
+    Ok(ratios(&CsvTable::parse(cotton.name, cotton.data.as_bytes())?)?)
 }
 
 impl Sample {
@@ -89,7 +93,7 @@ impl Sample {
             };
             match formats::format_of(path) {
                 // A folder or an empty file is told in the words of the reader of CSV.
-                Ok(Format::Csv) | Err(_) => {
+                Ok(Format::CSV) | Err(_) => {
                     let bytes = read(path)?;
                     if is_over_the_sphere(&bytes) {
                         let data = formats::parse(name_or_path, &bytes, &ReadOptions::default())?;
@@ -131,7 +135,12 @@ impl Sample {
                 remedy: Chosen::REMEDY.into(),
             });
         }
-        let data = data::parse(path, bytes, description.relative_standard_uncertainty)?;
+        let table = CsvTable::parse(path, bytes)?;
+        let data = if table.column("row").is_some() {
+            Data::Ratios(ratios(&table)?)
+        } else {
+            Data::Curves(curves(table, description.relative_standard_uncertainty)?)
+        };
         Ok(Self {
             description,
             data,

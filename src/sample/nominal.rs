@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::data::Row;
+use super::row::Row;
 
 /// Incidences in degrees that differ by no more are one incidence, and so far a reading may lie from the geometry it is
 /// compared at.

@@ -1,5 +1,8 @@
-use super::data::{Axis, Curves, Data, Row};
-use super::{ANGLE_TOLERANCE_DEG, Sample, SampleError};
+use super::curves::Curves;
+use super::error::SampleError;
+use super::measured::{Data, Sample};
+use super::nominal::ANGLE_TOLERANCE_DEG;
+use super::row::{Axis, Row};
 use crate::colour::{ColourSystem, Convention, LinearRgb, Xyz};
 use crate::spectrum::{Samples, WavelengthGrid};
 

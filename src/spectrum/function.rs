@@ -1,4 +1,6 @@
-use super::{Samples, SpectrumError, WavelengthGrid};
+use super::error::SpectrumError;
+use super::grid::WavelengthGrid;
+use super::samples::Samples;
 
 /// A quantity as a function of wavelength.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-use super::SpectrumError;
+use super::error::SpectrumError;
 
 /// Strictly ascending wavelengths in nm (vacuum).
 #[derive(Clone, Debug, PartialEq)]

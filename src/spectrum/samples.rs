@@ -1,4 +1,5 @@
-use super::{SpectrumError, WavelengthGrid};
+use super::error::SpectrumError;
+use super::grid::WavelengthGrid;
 
 /// Finite values at exactly the wavelengths of one grid.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,15 +4,12 @@
 
 use std::sync::LazyLock;
 
-use super::{CsvTable, Spectrum, SpectrumError, UnknownName, file};
-
-/// Colour-matching functions of an observer, dimensionless; of the standard ones at 360..830 nm.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ObserverTables {
-    pub x_bar: Spectrum,
-    pub y_bar: Spectrum,
-    pub z_bar: Spectrum,
-}
+use super::error::SpectrumError;
+use super::function::Spectrum;
+use super::layout::{self, Values};
+use super::naming::UnknownName;
+pub use super::observer::ObserverTables;
+use crate::text::CsvTable;
 
 type Loaded<T> = LazyLock<Result<T, SpectrumError>>;
 type Named = Vec<(String, Spectrum)>;
@@ -94,7 +91,7 @@ fn observer_of(name: &'static str, csv: &str) -> Result<ObserverTables, Spectrum
 /// `what` is how errors call these spectra.
 fn named(what: &str, csv: &str) -> Result<Named, SpectrumError> {
     let table = CsvTable::parse(what, csv.as_bytes())?;
-    let spectra = file::by_wavelength(&table, 0, &file::Values::of(&..))?;
+    let spectra = layout::by_wavelength(&table, 0, &Values::of(&..))?;
     Ok(spectra
         .into_iter()
         .map(|(title, samples)| {

@@ -2,11 +2,9 @@
 
 use super::decimals::Decimals;
 use super::encoding::decode;
-use super::titles;
-use super::{CsvError, CsvTable, shortened};
-
-/// Comments that are kept.
-const COMMENTS: usize = 20;
+use super::records::{Record, Rows, is_comment, stated_separator};
+use super::table::{CsvError, CsvTable, shortened};
+use super::{titles, units};
 
 impl CsvTable {
     /// Reads CSV with one header line: fields perhaps in double quotes, separated by commas, semicolons or tabs, whichever
@@ -48,7 +46,7 @@ impl CsvTable {
                 table.header_line = row.line;
                 table.columns = row.cells;
             } else if rows.count == 2
-                && row.cells.iter().all(|cell| titles::is_unit(cell))
+                && row.cells.iter().all(|cell| units::is_unit(cell))
                 && row.cells.iter().any(|cell| cell.parse::<f64>().is_err())
             {
                 table.check_units(&row)?;
@@ -117,7 +115,7 @@ impl CsvTable {
         let (names, _) = titles::names(&self.columns);
         for ((title, name), unit) in self.columns.iter().zip(names).zip(&row.cells) {
             let name = name.unwrap_or(title);
-            if let Some((expected, remedy)) = titles::contradicts(name, unit) {
+            if let Some((expected, remedy)) = units::contradicts(name, unit) {
                 return Err(self.error(row.line, Some(title), expected, &shortened(unit), remedy));
             }
         }
@@ -169,154 +167,6 @@ pub(crate) fn lines_of(name: &str, bytes: &[u8]) -> Result<(String, Option<Strin
             remedy: "this is a binary file: export the table as CSV text".into(),
         })),
     }
-}
-
-/// One record of CSV.
-struct Record {
-    /// Where it begins.
-    line: usize,
-    /// Without white space around them.
-    cells: Vec<String>,
-    /// Whether its first cell is.
-    is_quoted: bool,
-}
-
-struct RecordError {
-    line: usize,
-    expected: &'static str,
-    found: String,
-    remedy: &'static str,
-}
-
-/// Records that are neither comments nor empty.
-struct Rows<'t> {
-    text: &'t str,
-    reader: csv::Reader<&'t [u8]>,
-    record: csv::StringRecord,
-    separator: u8,
-    /// Byte and line where the next record is looked for.
-    at: usize,
-    line: usize,
-    /// Given out so far.
-    count: usize,
-}
-
-impl<'t> Rows<'t> {
-    fn new(text: &'t str) -> Self {
-        let (mut start, mut line) = (0, 1);
-        let mut header = "";
-        for content in text.split_inclusive('\n') {
-            header = content;
-            if !content.trim().is_empty() && !is_comment(content) {
-                break;
-            }
-            start += content.len();
-            line += 1;
-        }
-        // The line that tells a spreadsheet the separator.
-        let separator = match stated_separator(header) {
-            Some(stated) => {
-                (start, line) = (start + header.len(), line + 1);
-                match stated {
-                    ";" => b';',
-                    "|" => b'|',
-                    "" | "\\t" | "\t" => b'\t',
-                    _ => b',',
-                }
-            }
-            None => {
-                (start, line) = (0, 1);
-                separator_of(header)
-            }
-        };
-        let reader = csv::ReaderBuilder::new()
-            .delimiter(separator)
-            .terminator(csv::Terminator::Any(b'\n'))
-            .comment(Some(b'#'))
-            .flexible(true)
-            .has_headers(false)
-            .from_reader(&text.as_bytes()[start..]);
-        Self {
-            text: &text[start..],
-            reader,
-            record: csv::StringRecord::new(),
-            separator,
-            at: 0,
-            line,
-            count: 0,
-        }
-    }
-
-    fn next(&mut self, comments: &mut Vec<String>) -> Option<Result<Record, RecordError>> {
-        let mut comment = |text: &str| {
-            let words = text.trim_matches(['"', '#', ' ', '\t', '\n', ',', ';']);
-            if comments.len() < COMMENTS && !words.is_empty() {
-                comments.push(words.to_owned());
-            }
-        };
-        loop {
-            let is_there = match self.reader.read_record(&mut self.record) {
-                Ok(is_there) => is_there,
-                Err(e) => {
-                    return Some(Err(RecordError {
-                        line: self.line,
-                        expected: "a CSV record",
-                        found: e.to_string(),
-                        remedy: "export the table again",
-                    }));
-                }
-            };
-            let end = (self.reader.position().byte() as usize).min(self.text.len());
-            let mut raw = &self.text[self.at..end];
-            self.at = end;
-            // The reader passes over comments and empty lines.
-            while let Some((first, rest)) = raw
-                .split_once('\n')
-                .filter(|(first, _)| first.is_empty() || first.starts_with('#'))
-            {
-                comment(first);
-                self.line += 1;
-                raw = rest;
-            }
-            if !is_there {
-                return None;
-            }
-            let line = self.line;
-            self.line += raw.matches('\n').count();
-            let is_quoted = raw.starts_with('"');
-            if is_unclosed(raw, self.separator, end == self.text.len()) {
-                return Some(Err(RecordError {
-                    line,
-                    expected: "a closing quotation mark",
-                    found: shortened(raw.trim_end()),
-                    remedy: "close the quotation mark, or double it where it is a character of the text",
-                }));
-            }
-            let cells: Vec<String> = self.record.iter().map(|cell| bare(cell).to_owned()).collect();
-            let rest_is_empty = cells[1..].iter().all(String::is_empty);
-            // A quoted comment is one of a spreadsheet, which adds empty cells; a quoted name may begin with the mark, too.
-            if cells[0].starts_with('#') && (!is_quoted || rest_is_empty || self.count == 0) {
-                comment(raw);
-                continue;
-            }
-            if cells[0].is_empty() && rest_is_empty {
-                continue;
-            }
-            self.count += 1;
-            return Some(Ok(Record { line, cells, is_quoted }));
-        }
-    }
-}
-
-/// What a line `sep=;` states, in any case and perhaps in quotes.
-fn stated_separator(line: &str) -> Option<&str> {
-    let line = line.trim_matches(['\n', '\r', ' ', '"']);
-    let key = line.get(..4)?;
-    key.eq_ignore_ascii_case("sep=").then(|| line[4..].trim_matches('"'))
-}
-
-fn is_comment(line: &str) -> bool {
-    line.trim_start_matches([' ', '\t', '"']).starts_with('#')
 }
 
 /// A text with what instruments write before the titles made comments, and the number of such lines; `None` where the first
@@ -376,37 +226,6 @@ fn tabbed(text: &str) -> Option<String> {
         tabbed.push('\n');
     }
     Some(tabbed)
-}
-
-/// The separator that a header has most of outside quotes.
-fn separator_of(header: &str) -> u8 {
-    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0), (b'|', 0)];
-    let mut quoted = false;
-    for byte in header.trim_end().bytes() {
-        quoted ^= byte == b'"';
-        if let Some((_, count)) = counts.iter_mut().find(|(separator, _)| !quoted && *separator == byte) {
-            *count += 1;
-        }
-    }
-    // The first of equals.
-    counts
-        .iter()
-        .rev()
-        .max_by_key(|(_, count)| *count)
-        .map_or(b',', |(separator, _)| *separator)
-}
-
-/// Whether quotes of a record stay open to the end of the file.
-fn is_unclosed(raw: &str, separator: u8, is_last: bool) -> bool {
-    let opens = || raw.starts_with('"') || raw.as_bytes().windows(2).any(|pair| pair == [separator, b'"']);
-    is_last && raw.matches('"').count() % 2 == 1 && opens()
-}
-
-/// A cell without white space, and without quotes that had white space before them.
-fn bare(cell: &str) -> &str {
-    let cell = cell.trim();
-    let inner = cell.strip_prefix('"').and_then(|inner| inner.strip_suffix('"'));
-    inner.map_or(cell, str::trim)
 }
 
 #[cfg(test)]

@@ -1,14 +1,19 @@
 //! Text files: encodings, and the grammars of tables, CSV and CGATS. What the columns of a table mean is for the stages above.
 
+mod aliases;
+mod bands;
 mod cgats;
 mod csv_table;
 mod decimals;
 pub(crate) mod encoding;
+mod records;
 mod table;
 mod titles;
+mod units;
 
+pub(crate) use bands::band_nm;
 pub(crate) use cgats::{Cgats, is_cgats};
 pub(crate) use csv_table::lines_of;
 pub use table::CsvError;
 pub(crate) use table::{CsvTable, shortened};
-pub(crate) use titles::{Heading, band_nm, heading};
+pub(crate) use titles::{Heading, heading};

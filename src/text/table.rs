@@ -1,6 +1,6 @@
 use std::collections::HashSet;
 
-use super::titles;
+use super::{bands, titles, units};
 
 /// Where a table (CSV or CGATS text) departs from what was expected, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -63,7 +63,7 @@ impl CsvTable {
         if let Some((title, (expected, remedy))) = self
             .columns
             .iter()
-            .find_map(|title| Some((title, titles::misstated(title)?)))
+            .find_map(|title| Some((title, units::misstated(title)?)))
         {
             return Err(self.header_error(expected, &format!("'{}'", shortened(title)), remedy));
         }
@@ -120,8 +120,8 @@ impl CsvTable {
     /// Errors of other wavelengths than the values.
     pub(crate) fn long(self) -> Result<Self, Box<CsvError>> {
         let of = |title: &String| match title.to_lowercase().strip_suffix("_se") {
-            Some(stem) => (None, titles::band_nm(stem)),
-            None => (titles::band_nm(title), None),
+            Some(stem) => (None, bands::band_nm(stem)),
+            None => (bands::band_nm(title), None),
         };
         let (bands, errors): (Vec<Option<f64>>, Vec<Option<f64>>) = self.columns.iter().map(of).unzip();
         let taken = ["wavelength_nm", "beta"].iter().any(|name| self.column(name).is_some());

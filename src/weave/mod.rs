@@ -77,7 +77,7 @@ impl WeaveDraft {
     pub fn read(path: &std::path::Path) -> Result<Self, FormatError> {
         let (format, bytes) = crate::formats::read_bytes(path)?;
         let name = path.display().to_string();
-        if format != crate::formats::Format::Wif {
+        if format != crate::formats::Format::WIF {
             return Err(FormatError::file(
                 &name,
                 "a weave draft (WIF)",

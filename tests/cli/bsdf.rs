@@ -309,12 +309,12 @@ fn files_too_large_to_read_are_refused_before_tracing() {
     let grid = WavelengthGrid::new(vec![450.0, 550.0, 650.0]).unwrap();
     let cells = coarse();
     for (out, more, format, encoding) in [
-        ("a.csv", &[][..], Format::Csv, Encoding::Text),
-        ("b.csv", &["--rgb"], Format::Csv, Encoding::Text),
-        ("a.astm", &[], Format::Astm, Encoding::Text),
-        ("a.ssdd", &[], Format::Ssdd, Encoding::Text),
-        ("b.ssdd", &["--to", "ssdd-binary"], Format::Ssdd, Encoding::Binary),
-        ("a.ddr", &[], Format::Ddr, Encoding::Text),
+        ("a.csv", &[][..], Format::CSV, Encoding::Text),
+        ("b.csv", &["--rgb"], Format::CSV, Encoding::Text),
+        ("a.astm", &[], Format::ASTM, Encoding::Text),
+        ("a.ssdd", &[], Format::SSDD, Encoding::Text),
+        ("b.ssdd", &["--to", "ssdd-binary"], Format::SSDD, Encoding::Binary),
+        ("a.ddr", &[], Format::DDR, Encoding::Text),
     ] {
         let written = measure(folder.path(), out, more)["bytes"].as_f64().unwrap();
         let colours = if more == ["--rgb"] {

@@ -119,7 +119,7 @@ fn damaged_binaries_are_told() {
     let utia: Vec<u8> = (0..1_990_656 / 8)
         .flat_map(|i| (0.1 + 0.37 * f64::from(i % 7)).to_le_bytes())
         .collect();
-    assert_eq!(read("x.bin", &utia).format, Format::Utia);
+    assert_eq!(read("x.bin", &utia).format, Format::UTIA);
     assert!(refused("x.bin", &changed::<8>(&utia, reverse)).contains("reversed order"));
     assert!(refused("x.bin", &changed::<8>(&utia, negate)).contains("none above 0"));
 
@@ -260,11 +260,11 @@ fn written_azimuths_close_at_360() {
         let source = read("open.ssdd", source.as_bytes());
         let mut options = WriteOptions::default();
         for (format, encoding) in [
-            (Format::Ssdd, Encoding::Text),
-            (Format::Ssdd, Encoding::Binary),
-            (Format::Ddr, Encoding::Text),
+            (Format::SSDD, Encoding::Text),
+            (Format::SSDD, Encoding::Binary),
+            (Format::DDR, Encoding::Text),
         ] {
-            if kind == "spherical" && format == Format::Ddr {
+            if kind == "spherical" && format == Format::DDR {
                 continue;
             }
             options.encoding = encoding;
@@ -292,7 +292,7 @@ fn written_azimuths_close_at_360() {
                      DATA ascii\n0.1\n0.2\n0.3\n0.4\n";
     let bytes = write(
         &read("x.ssdd", fractions.as_bytes()),
-        Format::Ssdd,
+        Format::SSDD,
         &WriteOptions::default(),
     );
     let written = String::from_utf8(bytes.unwrap().bytes).unwrap();
@@ -323,7 +323,7 @@ fn components_are_chosen_and_named() {
         "x.xml",
         xml(&[("Transmission Back", "0.02"), ("Reflection Back", "0.1")]).as_bytes(),
     );
-    for format in [Format::Csv, Format::Astm] {
+    for format in [Format::CSV, Format::ASTM] {
         let written = write(&both, format, &WriteOptions::default()).unwrap();
         assert_eq!(written.components, ["reflection of light from the front"], "{format}");
         assert!(
@@ -337,13 +337,13 @@ fn components_are_chosen_and_named() {
         scatter: Some(Scatter::Transmission),
         ..WriteOptions::default()
     };
-    let written = write(&both, Format::Csv, &transmission).unwrap();
+    let written = write(&both, Format::CSV, &transmission).unwrap();
     assert_eq!(written.components, ["transmission of light from the front"]);
     let down = direction(2.5, 0.5);
     assert!((f(&read("x.csv", &written.bytes), &direction(0.1, 0.0), &down) - 0.02).abs() < 1e-6);
-    assert!(write(&both, Format::Rgl, &transmission).is_err());
+    assert!(write(&both, Format::RGL, &transmission).is_err());
     assert_eq!(
-        write(&both, Format::Ssdd, &WriteOptions::default())
+        write(&both, Format::SSDD, &WriteOptions::default())
             .unwrap()
             .components
             .len(),
@@ -352,7 +352,7 @@ fn components_are_chosen_and_named() {
 
     // The back is never turned into the front unasked.
     let back = read("x.xml", xml(&[("Reflection Front", "0.1")]).as_bytes());
-    for format in [Format::Csv, Format::Astm, Format::Ddr, Format::Rgl, Format::Ssdd] {
+    for format in [Format::CSV, Format::ASTM, Format::DDR, Format::RGL, Format::SSDD] {
         let told = write(&back, format, &WriteOptions::default()).unwrap_err().to_string();
         assert!(
             told.contains("from the back") && told.contains("--side"),
@@ -363,14 +363,14 @@ fn components_are_chosen_and_named() {
         side: Some(Side::Back),
         ..WriteOptions::default()
     };
-    let written = write(&back, Format::Ssdd, &asked).unwrap();
+    let written = write(&back, Format::SSDD, &asked).unwrap();
     assert_eq!(written.components, ["reflection of light from the back"]);
     assert!(
         written.notices.iter().any(|n| n.contains("does not state the side")),
         "{:?}",
         written.notices
     );
-    let klems = write(&back, Format::RadianceXml, &WriteOptions::default()).unwrap();
+    let klems = write(&back, Format::RADIANCE_XML, &WriteOptions::default()).unwrap();
     assert_eq!(read("x.xml", &klems.bytes).components[0].side, Side::Back);
 }
 
@@ -388,7 +388,7 @@ fn merl_says_what_reciprocity_costs() {
         );
         write(
             &read("x.ssdd", source.as_bytes()),
-            Format::Merl,
+            Format::MERL,
             &WriteOptions::default(),
         )
         .unwrap()

@@ -94,7 +94,7 @@ fn mitsuba_reads_rgl_files() {
         let bytes = match name {
             "full.bsdf" => measured(folder.path(), name, &[]),
             "full_rgb.bsdf" => measured(folder.path(), name, &["--rgb"]),
-            _ => write(&load(name), Format::Rgl, &WriteOptions::default()).unwrap().bytes,
+            _ => write(&load(name), Format::RGL, &WriteOptions::default()).unwrap().bytes,
         };
         let data = parse("x.bsdf", &bytes, &ReadOptions::default()).unwrap();
         let file = folder.path().join(format!("{name}.bsdf"));
@@ -189,7 +189,7 @@ fn radiance_reads_klems_files() {
         let bytes = match name {
             "full.xml" => measured(folder.path(), name, &[]),
             _ => {
-                write(&load(name), Format::RadianceXml, &WriteOptions::default())
+                write(&load(name), Format::RADIANCE_XML, &WriteOptions::default())
                     .unwrap()
                     .bytes
             }

@@ -86,7 +86,7 @@ fn astm_columns_are_read_at_their_nodes_and_between() {
     let data = load("dir_iso_rgb.astm");
     assert_eq!(
         (data.format, &data.components[0].channels),
-        (Format::Astm, &Channels::Rgb)
+        (Format::ASTM, &Channels::Rgb)
     );
     for (theta_i, theta_o, phi) in [(20.0, 15.0, 45.0), (40.0, 30.0, 270.0), (60.0, 75.0, 180.0)] {
         let f = iso(f64::to_radians(theta_i), f64::to_radians(theta_o), f64::to_radians(phi));
@@ -237,7 +237,7 @@ fn utia_numbers_stay_raw_until_a_scale_is_given() {
         other[0] = first;
         assert_eq!(
             parse("x", &other, &ReadOptions::default()).unwrap().format,
-            Format::Utia
+            Format::UTIA
         );
     }
     // Nothing is stored above 75 degrees; the circle closes after 352.5.
@@ -273,20 +273,20 @@ fn types_are_told_apart() {
     };
     use Quantity::{BrightnessFactor, Bsdf, BsdfCosine};
     use Scatter::{Reflection, Transmission};
-    assert_eq!(of("dir_iso_bw.ddr"), (Format::Ddr, Reflection, BrightnessFactor, true));
+    assert_eq!(of("dir_iso_bw.ddr"), (Format::DDR, Reflection, BrightnessFactor, true));
     assert_eq!(
         of("dir_aniso_rgb.ddr"),
-        (Format::Ddr, Reflection, BrightnessFactor, false)
+        (Format::DDR, Reflection, BrightnessFactor, false)
     );
     assert_eq!(
         of("dir_btdf_sigmat_bw.ddt"),
-        (Format::Ddr, Transmission, BrightnessFactor, true)
+        (Format::DDR, Transmission, BrightnessFactor, true)
     );
-    assert_eq!(of("rgl_lambert_rgb.bsdf"), (Format::Rgl, Reflection, BsdfCosine, true));
-    assert_eq!(of("dir_plane_mono_zemax.bsdf"), (Format::Zemax, Reflection, Bsdf, true));
+    assert_eq!(of("rgl_lambert_rgb.bsdf"), (Format::RGL, Reflection, BsdfCosine, true));
+    assert_eq!(of("dir_plane_mono_zemax.bsdf"), (Format::ZEMAX, Reflection, Bsdf, true));
     assert_eq!(
         of("dir_asym_mono_lighttools.bsdf"),
-        (Format::LightTools, Reflection, Bsdf, true)
+        (Format::LIGHT_TOOLS, Reflection, Bsdf, true)
     );
     let both = load("lbgen_lambert_bsdf_mono.ssdd");
     assert_eq!(both.components.len(), 2);

@@ -458,7 +458,7 @@ fn million_utia() {
 fn thousand_merl() {
     let lambert = write(
         &parse("x.ddr", &golden("dir_iso_rgb.ddr"), &ReadOptions::default()).unwrap(),
-        Format::Merl,
+        Format::MERL,
         &WriteOptions::default(),
     );
     changed_in_place("thousand_merl", &mut lambert.unwrap().bytes, 1_000);

@@ -25,7 +25,7 @@ fn data_of(bytes: &[u8]) -> &[u8] {
 fn ssdd_holds_binary_values() {
     let name = "dir_specular_spectral7_binary.ssdd";
     let data = load(name);
-    let written = write(&data, Format::Ssdd, &BINARY).unwrap();
+    let written = write(&data, Format::SSDD, &BINARY).unwrap();
     assert!(written.notices.is_empty(), "{:?}", written.notices);
     let original = std::fs::read(golden(name)).unwrap();
     let values = data_of(&original);
@@ -33,7 +33,7 @@ fn ssdd_holds_binary_values() {
 
     let both = load("lbgen_lambert_bsdf_mono.ssdd");
     assert_eq!(both.components.len(), 2);
-    let written = write(&both, Format::Ssdd, &BINARY).unwrap();
+    let written = write(&both, Format::SSDD, &BINARY).unwrap();
     let back = parse("x.ssdd", &written.bytes, &ReadOptions::default()).unwrap();
     assert_eq!(back.components.len(), 2);
     for scatter in [Scatter::Reflection, Scatter::Transmission] {
@@ -55,7 +55,7 @@ fn ssdd_holds_binary_values() {
     let measured = measured.unwrap();
     assert!(measured.provenance.source.is_some());
     for options in [WriteOptions::default(), BINARY] {
-        let written = write(&measured, Format::Ssdd, &options).unwrap();
+        let written = write(&measured, Format::SSDD, &options).unwrap();
         let back = parse("x.ssdd", &written.bytes, &ReadOptions::default()).unwrap();
         let lower = |data: &Goniometric| data.provenance.source.as_deref().unwrap().to_ascii_lowercase();
         assert_eq!(lower(&back), lower(&measured));
@@ -69,7 +69,7 @@ fn ssdd_holds_binary_values() {
         .replacen("1.29462595", "1e20", 1);
     let huge = parse("x.ddr", text.as_bytes(), &ReadOptions::default()).unwrap();
     assert!(matches!(
-        write(&huge, Format::Ssdd, &BINARY),
+        write(&huge, Format::SSDD, &BINARY),
         Err(WriteError::CannotHold { .. })
     ));
 }
@@ -82,7 +82,7 @@ fn binary_values_begin_with_no_comment() {
             "VERSION 0.3\nDATA_TYPE specular_reflectance\nCOLOR_MODEL monochrome\nPARAM0_LIST 0 10\nDATA binary\n";
         let bytes = [head.as_bytes(), &first, b"#bc>"].concat();
         let data = parse("x.ssdd", &bytes, &ReadOptions::default()).unwrap();
-        let written = write(&data, Format::Ssdd, &BINARY).unwrap().bytes;
+        let written = write(&data, Format::SSDD, &BINARY).unwrap().bytes;
         let begins = data_of(&written)
             .iter()
             .find(|byte| !byte.is_ascii_whitespace() && **byte != 0x0b);
@@ -141,7 +141,7 @@ proptest! {
     #[test]
     fn binary_nodes_survive(text in ssdd()) {
         let data = parse("x.ssdd", text.as_bytes(), &ReadOptions::default()).unwrap();
-        let written = write(&data, Format::Ssdd, &BINARY).unwrap();
+        let written = write(&data, Format::SSDD, &BINARY).unwrap();
         let back = parse("x.ssdd", &written.bytes, &ReadOptions::default()).unwrap();
         let (Table::Grid(grid), Table::Grid(found)) = (&data.components[0].table, &back.components[0].table) else {
             panic!("no grid")
@@ -163,8 +163,8 @@ proptest! {
         let data = parse("x.ssdd", text.as_bytes(), &ReadOptions::default()).unwrap();
         let Table::Grid(grid) = &data.components[0].table else { panic!("no grid") };
         let specular = text.contains("specular");
-        for format in [Format::Ssdd, Format::Ddr] {
-            if format == Format::Ddr && (!specular || data.components[0].channels == Channels::Xyz) {
+        for format in [Format::SSDD, Format::DDR] {
+            if format == Format::DDR && (!specular || data.components[0].channels == Channels::Xyz) {
                 continue;
             }
             let written = write(&data, format, &WriteOptions::default()).unwrap();

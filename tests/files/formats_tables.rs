@@ -3,7 +3,7 @@
 
 use crate::command::specval;
 use serde_json::Value;
-use specval::formats::{ReadOptions, parse};
+use specval::formats::{ReadOptions, parse, registry};
 use specval::sample::Sample;
 use specval::spectrum::SpectraFile;
 use std::fs;
@@ -401,4 +401,36 @@ fn components_are_chosen_in_every_command() {
         );
     }
     assert!(!folder.join("report").exists());
+}
+
+/// The list of formats is kept in one place; the page for users must have a row for each of them.
+#[test]
+fn every_format_is_in_the_docs() {
+    let docs = fs::read_to_string("docs/formats.md").unwrap();
+    for known in registry::all() {
+        let name = known.format.name();
+        assert!(
+            docs.contains(&format!("\n| `{name}` |")),
+            "docs/formats.md has no row of {name}"
+        );
+        assert_eq!(registry::descriptor(known.format).format, known.format);
+        assert_eq!(
+            registry::all()
+                .iter()
+                .filter(|other| other.format == known.format)
+                .count(),
+            1
+        );
+    }
+}
+
+/// Every extension of a file that is written says one format, and every name of a target is there once.
+#[test]
+fn targets_and_extensions_are_told_apart() {
+    let mut extensions: Vec<&str> = registry::extensions().map(|(extension, ..)| extension).collect();
+    let mut targets: Vec<&str> = registry::targets().map(|(name, ..)| name).collect();
+    for list in [&mut extensions, &mut targets] {
+        list.sort_unstable();
+        assert!(list.windows(2).all(|pair| pair[0] != pair[1]), "{list:?}");
+    }
 }

@@ -16,10 +16,10 @@ fn again(data: &Goniometric, format: Format) -> (Goniometric, Vec<String>) {
     let written = write(data, format, &WriteOptions::default()).unwrap();
     let transmission = data.components.iter().all(|c| c.scatter == Scatter::Transmission);
     let name = match (format, transmission) {
-        (Format::Ddr, true) => "x.ddt",
-        (Format::Ddr, false) => "x.ddr",
-        (Format::Sdr, true) => "x.sdt",
-        (Format::Sdr, false) => "x.sdr",
+        (Format::DDR, true) => "x.ddt",
+        (Format::DDR, false) => "x.ddr",
+        (Format::SDR, true) => "x.sdt",
+        (Format::SDR, false) => "x.sdr",
         (_, true) => "x.btdf.astm",
         (_, false) => "x.astm",
     };
@@ -71,24 +71,24 @@ fn deviation(a: &Goniometric, b: &Goniometric, beyond: bool) -> f64 {
 #[test]
 fn a_format_reads_what_it_wrote() {
     for (name, format, tolerance) in [
-        ("dir_iso_rgb.ddr", Format::Ddr, 1e-9),
-        ("dir_plane_bw.ddr", Format::Ddr, 1e-9),
-        ("dir_aniso_rgb.ddr", Format::Ddr, 1e-9),
-        ("libbsdf_iso_spectral7.ddr", Format::Ddr, 1e-9),
-        ("dir_btdf_sigmat_bw.ddt", Format::Ddr, 1e-9),
-        ("dir_spherical_bw.ssdd", Format::Ssdd, 1e-9),
-        ("dir_specular_aniso_rgb.ssdd", Format::Ssdd, 1e-9),
-        ("dir_specular_bilateral_xyz.ssdd", Format::Ssdd, 1e-9),
-        ("dir_specular_spectral7_binary.ssdd", Format::Ssdd, 1e-9),
-        ("dir_btdf_sigmat_bw.ddt", Format::Ssdd, 1e-9),
-        ("dir_iso_rgb.ddr", Format::Ssdd, 1e-9),
-        ("dir_iso_rgb.astm", Format::Astm, 1e-9),
-        ("dir_iso_rgb.astm", Format::Csv, 1e-7),
-        ("dir_spherical_bw.ssdd", Format::Csv, 1e-9),
-        ("dir_spherical_bw.ssdd", Format::Astm, 1e-9),
+        ("dir_iso_rgb.ddr", Format::DDR, 1e-9),
+        ("dir_plane_bw.ddr", Format::DDR, 1e-9),
+        ("dir_aniso_rgb.ddr", Format::DDR, 1e-9),
+        ("libbsdf_iso_spectral7.ddr", Format::DDR, 1e-9),
+        ("dir_btdf_sigmat_bw.ddt", Format::DDR, 1e-9),
+        ("dir_spherical_bw.ssdd", Format::SSDD, 1e-9),
+        ("dir_specular_aniso_rgb.ssdd", Format::SSDD, 1e-9),
+        ("dir_specular_bilateral_xyz.ssdd", Format::SSDD, 1e-9),
+        ("dir_specular_spectral7_binary.ssdd", Format::SSDD, 1e-9),
+        ("dir_btdf_sigmat_bw.ddt", Format::SSDD, 1e-9),
+        ("dir_iso_rgb.ddr", Format::SSDD, 1e-9),
+        ("dir_iso_rgb.astm", Format::ASTM, 1e-9),
+        ("dir_iso_rgb.astm", Format::CSV, 1e-7),
+        ("dir_spherical_bw.ssdd", Format::CSV, 1e-9),
+        ("dir_spherical_bw.ssdd", Format::ASTM, 1e-9),
         // Single precision.
-        ("rgl_lambert_rgb.bsdf", Format::Rgl, 1e-5),
-        ("rgl_lambert_spec.bsdf", Format::Rgl, 1e-5),
+        ("rgl_lambert_rgb.bsdf", Format::RGL, 1e-5),
+        ("rgl_lambert_spec.bsdf", Format::RGL, 1e-5),
     ] {
         let data = load(name);
         let (back, notices) = again(&data, format);
@@ -104,17 +104,17 @@ fn a_format_reads_what_it_wrote() {
 #[test]
 fn other_formats_hold_resampled_values() {
     for (name, format, tolerance) in [
-        ("dir_iso_rgb.astm", Format::Ddr, 0.02),
-        ("dir_spherical_bw.ssdd", Format::Ddr, 0.02),
-        ("dir_specular_spectral7_binary.ssdd", Format::Astm, 0.02),
-        ("dir_aniso_rgb.ddr", Format::Astm, 0.02),
-        ("dir_specular_spectral7_binary.ssdd", Format::Rgl, 0.02),
-        ("dir_aniso_rgb.ddr", Format::Rgl, 0.04),
-        ("rgl_lambert_spec.bsdf", Format::Ddr, 0.02),
-        ("klems_full_lambert_0p1.xml", Format::Ssdd, 1e-9),
-        ("ttree4_lambert_0p1.xml", Format::RadianceXml, 1e-9),
+        ("dir_iso_rgb.astm", Format::DDR, 0.02),
+        ("dir_spherical_bw.ssdd", Format::DDR, 0.02),
+        ("dir_specular_spectral7_binary.ssdd", Format::ASTM, 0.02),
+        ("dir_aniso_rgb.ddr", Format::ASTM, 0.02),
+        ("dir_specular_spectral7_binary.ssdd", Format::RGL, 0.02),
+        ("dir_aniso_rgb.ddr", Format::RGL, 0.04),
+        ("rgl_lambert_spec.bsdf", Format::DDR, 0.02),
+        ("klems_full_lambert_0p1.xml", Format::SSDD, 1e-9),
+        ("ttree4_lambert_0p1.xml", Format::RADIANCE_XML, 1e-9),
         // Constant on patches of 10 degrees and more.
-        ("dir_spherical_bw.ssdd", Format::RadianceXml, 0.05),
+        ("dir_spherical_bw.ssdd", Format::RADIANCE_XML, 0.05),
     ] {
         let data = load(name);
         let (back, notices) = again(&data, format);
@@ -127,14 +127,14 @@ fn other_formats_hold_resampled_values() {
 #[test]
 fn klems_holds_reflection_and_transmission_and_xyz() {
     let both = load("lbgen_lambert_bsdf_mono.ssdd");
-    let (back, _) = again(&both, Format::RadianceXml);
+    let (back, _) = again(&both, Format::RADIANCE_XML);
     for scatter in [Scatter::Reflection, Scatter::Transmission] {
         let component = back.component(scatter, Side::Front).unwrap();
         let total = component.directional_hemispherical(0.5, 0.0).unwrap().values;
         assert!((total[0] - 1.0).abs() < 1e-6, "{total:?}");
     }
     let spectral = load("dir_specular_spectral7_binary.ssdd");
-    let (back, notices) = again(&spectral, Format::RadianceXml);
+    let (back, notices) = again(&spectral, Format::RADIANCE_XML);
     assert_eq!(back.components[0].channels, Channels::Xyz);
     assert!(notices.iter().any(|n| n.contains("XYZ under D65")), "{notices:?}");
     // What was never measured, incidences beyond 60 degrees, is told.
@@ -147,7 +147,7 @@ fn klems_holds_reflection_and_transmission_and_xyz() {
 #[test]
 fn merl_holds_the_isotropic_mean() {
     let aniso = load("dir_aniso_rgb.ddr");
-    let (back, notices) = again(&aniso, Format::Merl);
+    let (back, notices) = again(&aniso, Format::MERL);
     assert!(notices.iter().any(|n| n.contains("isotropic")), "{notices:?}");
     // aniso: f = 0.4 + 0.1 in.x + 0.05 in.y + 0.06 out.x - 0.03 out.y + 0.02 out.z in.z, whose mean over turns is
     // 0.4 + 0.02 out.z in.z.
@@ -164,7 +164,7 @@ fn merl_holds_the_isotropic_mean() {
 fn specular_fractions_pass_through() {
     for (name, wavelengths) in [("spec_rgb.sdr", 3), ("spec_bw.sdt", 1)] {
         let data = load(name);
-        for format in [Format::Sdr, Format::Ssdd] {
+        for format in [Format::SDR, Format::SSDD] {
             let (back, _) = again(&data, format);
             let (Table::Specular(a), Table::Specular(b)) = (&data.components[0].table, &back.components[0].table)
             else {
@@ -177,7 +177,7 @@ fn specular_fractions_pass_through() {
             assert_eq!(data.components[0].scatter, back.components[0].scatter);
         }
         assert!(matches!(
-            write(&data, Format::Ddr, &WriteOptions::default()),
+            write(&data, Format::DDR, &WriteOptions::default()),
             Err(WriteError::CannotHold { .. })
         ));
     }
@@ -197,14 +197,14 @@ fn readings_of_one_plane_fill_no_hemisphere() {
         "{beta:?}"
     );
     assert_eq!(data.eval(&degrees(0.0, 0.0), &degrees(15.0, 90.0)), None);
-    let written = write(&data, Format::Csv, &WriteOptions::default()).unwrap();
+    let written = write(&data, Format::CSV, &WriteOptions::default()).unwrap();
     assert_eq!(parse("x.csv", &written.bytes, &ReadOptions::default()).unwrap(), data);
     assert!(matches!(
-        write(&data, Format::Rgl, &WriteOptions::default()),
+        write(&data, Format::RGL, &WriteOptions::default()),
         Err(WriteError::NotMeasured { .. })
     ));
     assert!(matches!(
-        write(&data, Format::Zemax, &WriteOptions::default()),
+        write(&data, Format::ZEMAX, &WriteOptions::default()),
         Err(WriteError::NotWritten { .. })
     ));
 }
@@ -217,7 +217,7 @@ fn klems_holds_specular_fractions_on_the_diagonal() {
         DATA_TYPE specular_transmittance\nCOLOR_MODEL monochrome\nPARAM0_LIST 0 40 70\nDATA ascii\n0.4\n0.4\n0\n\
         DATA_TYPE specular_reflectance\nCOLOR_MODEL monochrome\nPARAM0_LIST 0\nDATA ascii\n0.2\n";
     let data = parse("x.ssdd", text.as_bytes(), &ReadOptions::default()).unwrap();
-    let (back, notices) = again_as(&data, Format::RadianceXml, "x.xml");
+    let (back, notices) = again_as(&data, Format::RADIANCE_XML, "x.xml");
     assert_eq!(back.components.len(), 1);
     let told = |words: &str| notices.iter().any(|notice| notice.contains(words));
     assert!(
@@ -255,7 +255,7 @@ fn standard_errors_survive() {
     ] {
         let data = parse("x.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
         assert!(data.warnings.is_empty(), "{:?}", data.warnings);
-        let written = write(&data, Format::Csv, &WriteOptions::default()).unwrap();
+        let written = write(&data, Format::CSV, &WriteOptions::default()).unwrap();
         assert_eq!(std::str::from_utf8(&written.bytes).unwrap(), text);
     }
     let half = parse(
@@ -274,13 +274,13 @@ fn standard_errors_survive() {
     )
     .unwrap();
     for (format, holds) in [
-        (Format::Csv, true),
-        (Format::Astm, false),
-        (Format::Ssdd, false),
-        (Format::Ddr, false),
-        (Format::Rgl, false),
-        (Format::Merl, false),
-        (Format::RadianceXml, false),
+        (Format::CSV, true),
+        (Format::ASTM, false),
+        (Format::SSDD, false),
+        (Format::DDR, false),
+        (Format::RGL, false),
+        (Format::MERL, false),
+        (Format::RADIANCE_XML, false),
     ] {
         let notices = write(&sphere, format, &WriteOptions::default()).unwrap().notices;
         let told = notices.iter().any(|notice| notice.contains("standard errors"));
@@ -302,7 +302,7 @@ fn standard_errors_survive() {
 fn merl_holds_the_mean_over_turns() {
     let name = "dir_aniso_rgb.ddr";
     let source = load(name);
-    let written = write(&source, Format::Merl, &WriteOptions::default()).unwrap();
+    let written = write(&source, Format::MERL, &WriteOptions::default()).unwrap();
     let merl = parse("x.binary", &written.bytes, &ReadOptions::default()).unwrap();
     let mut compared = 0;
     for (theta_i, theta_o, phi) in [

@@ -2,9 +2,10 @@ use super::super::{Failure, Terminal};
 use super::Chosen;
 use super::series::Series;
 use serde::Serialize;
+use specval::formats::registry;
 use specval::formats::{
-    Axis, Channels, Component, Directions, Fold, Format, Goniometric, Hemispherical, KlemsBasis, Parameters,
-    Provenance, Quantity, Scatter, Scattered, Side, Table,
+    Axis, Channels, Component, Directions, Fold, Goniometric, Hemispherical, KlemsBasis, Parameters, Provenance,
+    Quantity, Scatter, Scattered, Side, Table,
 };
 use std::fmt::Write;
 
@@ -95,11 +96,7 @@ fn inspect(data: Goniometric, chosen: &Chosen) -> Result<Inspection, Failure> {
     Ok(Inspection {
         format: data.format.name(),
         provenance: data.provenance,
-        convention: (data.format == Format::RadianceXml).then_some(
-            "the front is +z, as in Radiance; WINDOW calls that side Back, so that `Reflection Back` has its light on it. \
-             Incident patches are those of the opposite azimuth: directions point away from the surface here, and the light's \
-             run towards it in WINDOW",
-        ),
+        convention: registry::descriptor(data.format).convention,
         components,
         warnings,
     })

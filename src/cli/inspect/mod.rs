@@ -142,7 +142,7 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     let name = path.to_string_lossy();
     let is_built_in = Sample::built_in_names().any(|known| known == name);
     let kind = FileKind::of(path);
-    let draft = || matches!(formats::format_of(path), Ok(Format::Wif));
+    let draft = || matches!(formats::format_of(path), Ok(Format::WIF));
     let is_goniometric = match kind {
         Some(FileKind::Goniometric(_)) => true,
         Some(FileKind::Sample) => !path.is_dir(),

@@ -1,7 +1,7 @@
 //! What resampling does to hemispherical values, and how it is undone: each incidence is scaled back to the source's value.
 
-use super::super::{Component, Hemispherical};
 use super::sampling::ChannelMap;
+use crate::goniometric::{Component, Hemispherical};
 use crate::number::shown;
 
 /// Factors beyond these would bend values more than they mend them: the table cannot hold what the source does.

@@ -3,15 +3,15 @@ use std::fmt::Write;
 
 use rayon::prelude::*;
 
-use super::super::goniometric::{direction, rounded_deg};
-use super::super::{
-    Channels, Component, Directions, Format, Grid, Hemispherical, Parameters, Provenance, Quantity, Scatter, Scattered,
-    Table,
-};
+use super::super::descriptor::Content;
 use super::WriteError;
 use super::balance::{Balance, hemispherical};
 use super::nodes::Probe;
 use super::sampling::{Sampler, every};
+use crate::goniometric::{
+    Channels, Component, Directions, Format, Grid, Hemispherical, Parameters, Provenance, Quantity, Scatter, Scattered,
+    Table, direction, rounded_deg,
+};
 
 /// Steps in θ_o, and in φ_o and φ_i, of a table that is resampled, where its values do not bend.
 const POLAR_DEG: f64 = 5.0;
@@ -22,30 +22,39 @@ const MOST: [[usize; 2]; 2] = [[64, 60], [30, 36]];
 /// A reading: its angles in radians, θ_in, φ_in, θ_out, φ_out or θ_in, θ_v; and f in 1/sr, or β in a CSV, one a channel.
 type Reading = (Vec<f64>, Vec<f64>);
 
-/// Lines of angles and values, as this program's CSV (β over degrees) or in the style of ASTM E1392 (f over radians).
-pub(super) fn write(
-    component: &Component,
-    format: Format,
-    provenance: &Provenance,
-    notices: &mut Vec<String>,
-) -> Result<Vec<u8>, WriteError> {
-    let readings = readings(component, format, notices)?;
+/// Lines of angles and values in the style of ASTM E1392: f over radians.
+pub(in crate::formats) fn astm(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+    let component = content.component;
+    let readings = readings(component, content.format, Quantity::Bsdf, notices)?;
+    if component.scatter == Scatter::Transmission {
+        notices.push("astm does not state that the values are of transmission".into());
+    }
+    Ok(astm_lines(
+        component,
+        &readings,
+        in_plane(&readings),
+        content.provenance,
+    ))
+}
+
+/// Lines of angles and values as this program's CSV: β over degrees.
+pub(in crate::formats) fn csv(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+    let component = content.component;
+    let readings = readings(component, content.format, Quantity::BrightnessFactor, notices)?;
+    // A CSV's own errors are of its own quantity; no other format states any.
     let errors = match &component.table {
         Table::Scattered(scattered) => scattered.reading_errors(),
         _ => Vec::new(),
     };
-    let plane = readings.first().is_some_and(|(angles, _)| angles.len() == 2);
-    if format == Format::Astm {
-        if component.scatter == Scatter::Transmission {
-            notices.push("astm does not state that the values are of transmission".into());
-        }
-        return Ok(astm(component, &readings, plane, provenance));
-    }
-    // A CSV's own errors are of its own quantity; no other format states any.
-    Ok(csv(component, &readings, &errors, plane, provenance))
+    let plane = in_plane(&readings);
+    Ok(csv_lines(component, &readings, &errors, plane, content.provenance))
 }
 
-fn astm(component: &Component, readings: &[Reading], plane: bool, provenance: &Provenance) -> Vec<u8> {
+fn in_plane(readings: &[Reading]) -> bool {
+    readings.first().is_some_and(|(angles, _)| angles.len() == 2)
+}
+
+fn astm_lines(component: &Component, readings: &[Reading], plane: bool, provenance: &Provenance) -> Vec<u8> {
     let mut text = String::new();
     for (name, value) in &provenance.statements {
         let key = !name.is_empty() && name.chars().all(|c| c.is_ascii_uppercase() || c == '_') && name != "VARS";
@@ -75,7 +84,7 @@ fn astm(component: &Component, readings: &[Reading], plane: bool, provenance: &P
     text.into_bytes()
 }
 
-fn csv(
+fn csv_lines(
     component: &Component,
     readings: &[Reading],
     errors: &[(Vec<f64>, &[f64])],
@@ -127,12 +136,12 @@ fn csv(
 }
 
 /// The source's own readings or nodes where they are directions; else resampled.
-fn readings(component: &Component, format: Format, notices: &mut Vec<String>) -> Result<Vec<Reading>, WriteError> {
-    let quantity = if format == Format::Csv {
-        Quantity::BrightnessFactor
-    } else {
-        Quantity::Bsdf
-    };
+fn readings(
+    component: &Component,
+    format: Format,
+    quantity: Quantity,
+    notices: &mut Vec<String>,
+) -> Result<Vec<Reading>, WriteError> {
     let of = |value: f64, theta_o: f64| {
         if component.quantity == quantity {
             return Some(value);

@@ -3,15 +3,16 @@ use std::fmt::Write;
 
 use rayon::prelude::*;
 
-use super::super::grid::{Fold, Grid, Parameters, about_z, from_specular};
-use super::super::integra::{degrees, radians};
-use super::super::{Axis, Channels, Component, Format, Hemispherical, Provenance, Quantity, Table};
+use super::super::descriptor::Content;
 use super::WriteError;
 use super::balance::{Balance, hemispherical};
 use super::nodes::Probe;
 use super::sampling::{ChannelMap, Sampler, clipped, every};
-use crate::formats::goniometric::direction;
 use crate::geometry::Vec3;
+use crate::goniometric::{
+    Axis, Channels, Component, Fold, Format, Grid, Hemispherical, Parameters, Provenance, Quantity, Table, about_z,
+    degrees, direction, from_specular, radians,
+};
 
 /// Steps in θ, and in φ and ψ, of a table that is resampled, where its values do not bend.
 const POLAR_DEG: f64 = 5.0;
@@ -96,7 +97,12 @@ impl SpecularGrid {
             .map(|&[s, p]| [component, &table].map(|of| hemispherical(of, sigma_deg[s], psi_deg[p])))
             .collect();
         let Table::Grid(mut scaled) = table.table else {
-            return Err(WriteError::NotWritten { format });
+            return Err(WriteError::CannotHold {
+                format,
+                holds: "a grid of angles".into(),
+                found: "a table of another kind".into(),
+                remedy: "take a format that holds single readings (csv, astm)".into(),
+            });
         };
         let mut balance = Balance::default();
         for (&[s, p], [source, written]) in incidences.iter().zip(&found) {
@@ -121,20 +127,24 @@ impl SpecularGrid {
         for (i1, i0, i3, i2) in indices([n1, n0, n3, n2]) {
             values.extend((0..grid.channels()).map(|channel| grid.at([i0, i1, i2, i3], channel)));
         }
-        let sigma_deg = degrees(sigma);
+        let sigma_deg = degrees(sigma.nodes_rad());
         let sigmat = offsets_rad
             .iter()
             .zip(&sigma_deg)
             .map(|(offset, s)| ((offset.to_degrees() + s) * 1e9).round() / 1e9);
         Ok(Self {
-            psi_deg: if grid.is_isotropic() { vec![0.0] } else { degrees(psi) },
+            psi_deg: if grid.is_isotropic() {
+                vec![0.0]
+            } else {
+                degrees(psi.nodes_rad())
+            },
             sigmat_deg: offsets_rad
                 .iter()
                 .any(|&offset| offset != 0.0)
                 .then(|| sigmat.collect()),
             sigma_deg,
-            phi_deg: degrees(phi),
-            theta_deg: degrees(theta),
+            phi_deg: degrees(phi.nodes_rad()),
+            theta_deg: degrees(theta.nodes_rad()),
             fold: grid.fold(),
             values,
             quantity,
@@ -196,12 +206,9 @@ fn mapped(values: Vec<f64>, channels: &Channels, notices: &mut Vec<String>) -> R
     Ok(mapped)
 }
 
-pub(super) fn diffuse(
-    component: &Component,
-    provenance: &Provenance,
-    notices: &mut Vec<String>,
-) -> Result<Vec<u8>, WriteError> {
-    let grid = SpecularGrid::of(component, Format::Ddr, notices)?;
+pub(in crate::formats) fn diffuse(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+    let (component, provenance) = (content.component, content.provenance);
+    let grid = SpecularGrid::of(component, content.format, notices)?;
     let scale = if grid.quantity == Quantity::Bsdf { PI } else { 1.0 };
     let values = mapped(grid.values, &component.channels, notices)?;
     let symmetry = match (grid.fold, grid.psi_deg.len(), grid.phi_deg.len()) {
@@ -251,23 +258,20 @@ pub(super) fn diffuse(
     Ok(text.into_bytes())
 }
 
-pub(super) fn specular(
-    component: &Component,
-    provenance: &Provenance,
-    notices: &mut Vec<String>,
-) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn specular(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+    let (component, provenance) = (content.component, content.provenance);
     let Table::Specular(table) = &component.table else {
         return Err(WriteError::CannotHold {
-            format: Format::Sdr,
+            format: content.format,
             holds: "specular fractions".into(),
             found: "scattering over directions".into(),
-            remedy: "take ddr for scattering over directions",
+            remedy: "take ddr for scattering over directions".into(),
         });
     };
     if !table.azimuth().is_single() {
         notices.push("fractions are those of the first incident azimuth".into());
     }
-    let sigma = degrees(table.incidence());
+    let sigma = degrees(table.incidence().nodes_rad());
     let nodes = (0..sigma.len()).flat_map(|node| table.at(node, 0).to_vec());
     let values = mapped(nodes.collect(), &component.channels, notices)?;
     let mut text = format!(

@@ -2,12 +2,13 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use super::super::merl;
-use super::super::{Channels, Component, Format, Hemispherical, Quantity, Scatter, Side, Table};
+use super::super::descriptor::Content;
+use super::super::merl_table as merl;
 use super::WriteError;
 use super::balance::{Balance, hemispherical, mapped};
 use super::sampling::{ChannelMap, Sampler, clipped, every};
 use crate::geometry::Vec3;
+use crate::goniometric::{Channels, Component, Hemispherical, Quantity, Scatter, Side, Table};
 
 /// Departures of hemispherical values that nodes are not scaled for.
 const KEPT: f64 = 5e-3;
@@ -17,14 +18,15 @@ const PASSES: usize = 3;
 const TURNS: usize = 8;
 
 /// Linear RGB at each node; of an anisotropic source the mean over turns of the sample about its normal.
-pub(super) fn write(component: &Component, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+    let component = content.component;
     let map = ChannelMap::to_rgb(&component.channels, notices)?;
     let as_rgb = component.with_channels(Channels::Rgb, |values| map.apply(values));
     let (component, map) = match &as_rgb {
         Some(as_rgb) => (as_rgb, ChannelMap::Same),
         None => (component, map),
     };
-    let sampler = Sampler::new(component, Format::Merl)?;
+    let sampler = Sampler::new(component, content.format)?;
     let turns = if component.is_isotropic() { 1 } else { TURNS };
     if turns > 1 {
         notices.push(format!(

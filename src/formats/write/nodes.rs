@@ -3,11 +3,11 @@
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BinaryHeap};
 
-use super::super::{Component, Parameters, Table};
 use super::WriteError;
 use super::balance::hemispherical;
 use super::sampling::Sampler;
 use crate::geometry::Vec3;
+use crate::goniometric::{Component, Parameters, Table};
 
 /// Share of the hemispherical value that straight lines between nodes may miss, over all of the angle.
 const TOLERANCE: f64 = 3e-3;

@@ -2,13 +2,15 @@ use std::fmt::Write;
 
 use rayon::prelude::*;
 
-use super::super::goniometric::{angles_of, rounded_deg};
-use super::super::klems::{KlemsBasis, KlemsMatrix};
-use super::super::{Channels, Component, Format, Hemispherical, Provenance, Scatter, Side, SpecularTable, Table};
+use super::super::descriptor::Content;
 use super::WriteError;
 use super::balance::Balance;
 use super::sampling::{ChannelMap, Sampler, clipped};
 use crate::geometry::Vec3;
+use crate::goniometric::{
+    Channels, Component, Format, Hemispherical, KlemsBasis, KlemsMatrix, Provenance, Scatter, Side, SpecularTable,
+    Table, angles_of, rounded_deg,
+};
 
 /// Points along either side of a patch that its mean is taken over, exiting and incident.
 const EXITING: usize = 3;
@@ -18,17 +20,14 @@ const COVERED: f64 = 0.5;
 
 /// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z. Specular fractions are
 /// on their diagonals.
-pub(super) fn write(
-    components: &[&Component],
-    provenance: &Provenance,
-    notices: &mut Vec<String>,
-) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+    let (components, provenance) = (content.components, content.provenance);
     let mut matrices: Vec<(&Component, KlemsMatrix)> = Vec::new();
     for component in components {
         match &component.table {
             Table::Specular(_) => {}
             Table::Klems(matrix) => matrices.push((component, matrix.clone())),
-            _ => matrices.push((component, averaged(component, notices)?)),
+            _ => matrices.push((component, averaged(component, content.format, notices)?)),
         }
     }
     for component in components {
@@ -36,7 +35,7 @@ pub(super) fn write(
             let mut alike = matrices.iter_mut();
             let alike = alike.find(|(of, _)| (of.scatter, of.side) == (component.scatter, component.side));
             match alike {
-                Some((_, matrix)) => on_diagonal(component, table, matrix, notices)?,
+                Some((_, matrix)) => on_diagonal(component, table, matrix, content.format, notices)?,
                 None => notices.push("specular fractions without scattering of their kind are left out".into()),
             }
         }
@@ -134,11 +133,14 @@ fn block(text: &mut String, component: &Component, matrix: &KlemsMatrix, wavelen
 
 /// Means of f over pairs of patches. Of an exiting patch it is ∫ f cos θ dω over it, by the points of the integral over the
 /// hemisphere, so that hemispherical values stay those of the source; incident directions are even in projected solid angle.
-fn averaged(component: &Component, notices: &mut Vec<String>) -> Result<KlemsMatrix, WriteError> {
-    let basis = KlemsBasis::named("LBNL/Klems Full").ok_or(WriteError::NotWritten {
-        format: Format::RadianceXml,
+fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) -> Result<KlemsMatrix, WriteError> {
+    let basis = KlemsBasis::named("LBNL/Klems Full").ok_or_else(|| WriteError::CannotHold {
+        format,
+        holds: "patches of Klems' full basis".into(),
+        found: "no such basis".into(),
+        remedy: "take another format".into(),
     })?;
-    let sampler = Sampler::new(component, Format::RadianceXml)?;
+    let sampler = Sampler::new(component, format)?;
     let map = ChannelMap::to_xyz(&component.channels, notices)?;
     let channels = if component.channels == Channels::Monochrome {
         1
@@ -237,6 +239,7 @@ fn on_diagonal(
     component: &Component,
     fractions: &SpecularTable,
     matrix: &mut KlemsMatrix,
+    format: Format,
     notices: &mut Vec<String>,
 ) -> Result<(), WriteError> {
     let map = ChannelMap::to_xyz(&component.channels, notices)?;
@@ -255,7 +258,7 @@ fn on_diagonal(
             let held = theta.clamp(first, last);
             beyond |= held != theta;
             let fraction = fractions.fraction(held, phi).ok_or_else(|| WriteError::NotMeasured {
-                format: Format::RadianceXml,
+                format,
                 theta_i_deg: theta.to_degrees(),
                 theta_o_deg: theta.to_degrees(),
                 phi_o_deg: phi.to_degrees(),

@@ -2,13 +2,14 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use rayon::prelude::*;
 
-use super::super::goniometric::{angles_of, rounded_deg};
-use super::super::rgl::{Unwarped, write as write_arrays};
-use super::super::warped::unwarped_node;
-use super::super::{Channels, Component, Format, Hemispherical, Provenance, Table};
+use super::super::descriptor::Content;
+use super::super::rgl_arrays::{Unwarped, write as write_arrays};
 use super::WriteError;
 use super::balance::{Balance, mapped};
 use super::sampling::{ChannelMap, Sampler, clipped};
+use crate::goniometric::{
+    Channels, Component, Hemispherical, Provenance, Table, angles_of, rounded_deg, unwarped_node,
+};
 
 /// Nodes along the square, of isotropic and of anisotropic tables, from the fewest on.
 const SIZES: [[usize; 3]; 2] = [[64, 128, 256], [32, 64, 96]];
@@ -19,12 +20,9 @@ const GRAZING_DEG: f64 = 80.5;
 
 /// f cos θ_out over half vectors, without a warp: what Mitsuba, pbrt and powitacq read as it stands. Spectral data stay
 /// spectral; all others become RGB.
-pub(super) fn write(
-    component: &Component,
-    provenance: &Provenance,
-    notices: &mut Vec<String>,
-) -> Result<Vec<u8>, WriteError> {
-    let sampler = Sampler::new(component, Format::Rgl)?;
+pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+    let (component, provenance) = (content.component, content.provenance);
+    let sampler = Sampler::new(component, content.format)?;
     let isotropic = component.is_isotropic();
     let map = match component.channels {
         Channels::Wavelengths(_) => ChannelMap::Same,
@@ -180,7 +178,7 @@ impl Slices<'_> {
 
     /// A factor for each slice and channel, by which the file of these bytes has the source's hemispherical values.
     fn factors(&self, source: &[Option<Hemispherical>], bytes: &[u8], balance: &mut Balance) -> Vec<f64> {
-        let Ok(read) = super::super::rgl::read("", bytes) else {
+        let Ok(read) = super::super::rgl_read::read("", bytes) else {
             return vec![1.0; self.count() * self.channels];
         };
         let found = self.hemispherical(&read.components[0]);

@@ -1,13 +1,15 @@
 use std::f64::consts::FRAC_PI_2;
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::Ordering::Relaxed;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::goniometric::{angles_of, direction};
-use super::super::{Channels, Component, Format, Parameters, Quantity, Scatter, Side, Table};
 use super::WriteError;
 use crate::colour::{ColourSystem, Convention, Xyz};
 use crate::geometry::Vec3;
+use crate::goniometric::{
+    Channels, Component, Format, Parameters, Quantity, Scatter, Side, Table, angles_of, direction,
+};
 use crate::spectrum::WavelengthGrid;
 
 /// f of a component at any pair of directions a format asks for. Beyond what was measured it keeps the value of the
@@ -33,7 +35,7 @@ impl<'a> Sampler<'a> {
                     format,
                     holds: "scattering over directions".into(),
                     found: "specular fractions".into(),
-                    remedy: "take sdr or ssdd for specular fractions",
+                    remedy: "take sdr or ssdd for specular fractions".into(),
                 });
             }
             Quantity::Bsdf | Quantity::BsdfCosine | Quantity::BrightnessFactor => {}

@@ -1,18 +1,15 @@
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-use super::super::integra::degrees;
-use super::super::{Channels, Component, Fold, Format, Grid, Parameters, Provenance, Scatter, SpecularTable, Table};
+use super::super::descriptor::Content;
+use super::super::options::Encoding;
+use super::WriteError;
 use super::integra::{SpecularGrid, line};
-use super::{Encoding, WriteError};
+use crate::goniometric::{Channels, Component, Fold, Format, Grid, Parameters, Scatter, SpecularTable, Table, degrees};
 
 /// Blocks of values with all their digits, or of 32-bit floats, one a component.
-pub(super) fn write(
-    components: &[&Component],
-    provenance: &Provenance,
-    encoding: Encoding,
-    notices: &mut Vec<String>,
-) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+    let (components, provenance) = (content.components, content.provenance);
     let mut head = format!("VERSION 0.3\nSOFTWARE specval-{}\n", env!("CARGO_PKG_VERSION"));
     for comment in &provenance.comments {
         // Writing to a string cannot fail.
@@ -39,9 +36,9 @@ pub(super) fn write(
         let values = match &component.table {
             Table::Specular(table) => specular(&mut text, table),
             Table::Grid(grid) if is_held(grid) => same(&mut text, component, grid)?,
-            _ => resampled(&mut text, component, notices)?,
+            _ => resampled(&mut text, component, content.format, notices)?,
         };
-        match encoding {
+        match content.encoding {
             Encoding::Text => {
                 text += "DATA ascii\n";
                 for row in values.chunks_exact(component.channels.count()) {
@@ -52,7 +49,7 @@ pub(super) fn write(
             Encoding::Binary => {
                 text += "DATA binary\n";
                 bytes.extend(text.into_bytes());
-                bytes.extend(binary(&values)?);
+                bytes.extend(binary(&values, content.format)?);
                 rounded |= values.iter().any(|&value| f64::from(value as f32) != value);
                 bytes.push(b'\n');
             }
@@ -66,14 +63,14 @@ pub(super) fn write(
 
 /// 32-bit floats. libbsdf takes a '#' behind white space for the beginning of a comment, even here; the value that would begin
 /// the data so is raised by a few units in its last place.
-fn binary(values: &[f64]) -> Result<Vec<u8>, WriteError> {
+fn binary(values: &[f64], format: Format) -> Result<Vec<u8>, WriteError> {
     let beyond = |value: &&f64| **value > f64::from(f32::MAX);
     if let Some(value) = values.iter().find(beyond) {
         return Err(WriteError::CannotHold {
-            format: Format::Ssdd,
+            format,
             holds: "values up to 3.4e38 in binary".into(),
             found: value.to_string(),
-            remedy: "write it as text: --to ssdd",
+            remedy: "write it as text: --to ssdd".into(),
         });
     }
     let mut bytes: Vec<u8> = values.iter().flat_map(|&value| (value as f32).to_le_bytes()).collect();
@@ -135,7 +132,10 @@ fn lists(text: &mut String, lists: &[(usize, &[f64])]) {
 
 fn specular(text: &mut String, table: &SpecularTable) -> Vec<f64> {
     let table = &table.closed();
-    let (incidence, azimuth) = (degrees(table.incidence()), degrees(table.azimuth()));
+    let (incidence, azimuth) = (
+        degrees(table.incidence().nodes_rad()),
+        degrees(table.azimuth().nodes_rad()),
+    );
     lists(text, &[(0, &incidence)]);
     if !table.azimuth().is_single() {
         lists(text, &[(1, &azimuth)]);
@@ -160,7 +160,7 @@ fn same(text: &mut String, component: &Component, grid: &Grid) -> Result<Vec<f64
         Fold::HalfTurn => *text += "REDUCTION_TYPE reciprocity\n",
         Fold::MirrorAndHalfTurn => *text += "REDUCTION_TYPE bilateral_symmetry reciprocity\n",
     }
-    let axes = grid.axes().each_ref().map(degrees);
+    let axes = grid.axes().each_ref().map(|axis| degrees(axis.nodes_rad()));
     lists(text, &[(0, &axes[0])]);
     if !grid.is_isotropic() {
         lists(text, &[(1, &axes[1])]);
@@ -182,8 +182,13 @@ fn same(text: &mut String, component: &Component, grid: &Grid) -> Result<Vec<f64
     Ok(values)
 }
 
-fn resampled(text: &mut String, component: &Component, notices: &mut Vec<String>) -> Result<Vec<f64>, WriteError> {
-    let grid = SpecularGrid::of(component, Format::Ssdd, notices)?;
+fn resampled(
+    text: &mut String,
+    component: &Component,
+    format: Format,
+    notices: &mut Vec<String>,
+) -> Result<Vec<f64>, WriteError> {
+    let grid = SpecularGrid::of(component, format, notices)?;
     *text += "PARAM_TYPE specular_coordinate_system\n";
     lists(text, &[(0, &grid.sigma_deg)]);
     if grid.psi_deg.len() > 1 {

@@ -18,15 +18,15 @@ impl Cells {
         let closed_pairs = (closed(self.incident() - 1) * closed(self.count() - 1)) as f64;
         let values = channels.count() as f64;
         let bytes = match (format, encoding) {
-            (Format::Csv, _) => match channels {
+            (Format::CSV, _) => match channels {
                 // A line for each wavelength, which it states.
                 Channels::Wavelengths(_) => pairs * values * (angle_bytes(nodes, in_degrees) + 4.0 + SIX_DIGITS),
                 _ => pairs * (angle_bytes(nodes, in_degrees) + values * SIX_DIGITS),
             },
-            (Format::Astm, _) => pairs * (angle_bytes(nodes, |rad| rad.to_string()) + values * SIX_DIGITS),
-            (Format::Ssdd, Encoding::Text) => 2.0 * closed_pairs * values * SIX_DIGITS,
-            (Format::Ssdd, Encoding::Binary) => 2.0 * closed_pairs * values * 4.0,
-            (Format::Ddr, _) => (nodes.rings() * resampled_nodes()) as f64 * values * ALL_DIGITS,
+            (Format::ASTM, _) => pairs * (angle_bytes(nodes, |rad| rad.to_string()) + values * SIX_DIGITS),
+            (Format::SSDD, Encoding::Text) => 2.0 * closed_pairs * values * SIX_DIGITS,
+            (Format::SSDD, Encoding::Binary) => 2.0 * closed_pairs * values * 4.0,
+            (Format::DDR, _) => (nodes.rings() * resampled_nodes()) as f64 * values * ALL_DIGITS,
             _ => return None,
         };
         Some(bytes as u64)

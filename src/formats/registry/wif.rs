@@ -1,0 +1,18 @@
+//! WIF: weave drafts, which `weave` reads.
+
+use crate::formats::descriptor::{Descriptor, MIB, Reader};
+use crate::goniometric::Format;
+
+pub(super) const FORMAT: Descriptor = Descriptor {
+    format: Format::new("wif"),
+    words: "wif",
+    extensions: &[("wif", None)],
+    sizes: 1..=4 * MIB,
+    convention: None,
+    detect: |beginning| beginning.first_line(|line| line.starts_with('[')),
+    read: Reader::Elsewhere {
+        found: "a weave draft (WIF)",
+        remedy: "print it with `specval weave`, or weave it in a study with [weave] draft",
+    },
+    write: None,
+};

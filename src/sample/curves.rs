@@ -1,0 +1,369 @@
+//! Readings over incidence and view from this program's CSV and its usual variants.
+
+use std::collections::HashMap;
+
+use super::columns::{Columns, Values};
+use super::error::SampleError;
+use super::nominal::{AnglesRead, as_read, nominal};
+use super::row::{Axis, Row};
+use crate::number::shown;
+use crate::spectrum::plausibility;
+use crate::spectrum::{CsvError, CsvTable, WavelengthGrid};
+
+/// Readings over incidence and view, all of them on the same channels or wavelengths.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Curves {
+    axis: Axis,
+    has_se: bool,
+    /// Ascending by incidence, then by view; a geometry occurs once.
+    rows: Vec<Row>,
+    angles: AnglesRead,
+    /// What the reader assumed, left out or found implausible.
+    notices: Vec<String>,
+}
+
+impl Curves {
+    pub(super) fn axis(&self) -> &Axis {
+        &self.axis
+    }
+
+    pub(super) fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    pub(super) fn has_se(&self) -> bool {
+        self.has_se
+    }
+
+    pub(super) fn angles(&self) -> AnglesRead {
+        self.angles
+    }
+
+    pub(super) fn notices(&self) -> &[String] {
+        &self.notices
+    }
+}
+
+/// Reads readings of any layout; the header says which.
+pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<Curves, SampleError> {
+    let columns = Columns::of(&table)?;
+    let relative_se = relative_se.unwrap_or(0.0);
+    let mut notices = Vec::new();
+    notices.extend(table.notices().iter().cloned());
+    if !table.renamed().is_empty() {
+        notices.push(renamed(&columns, &table));
+    }
+    let mut lines = Vec::with_capacity(table.len());
+    for row in 0..table.len() {
+        lines.push(Line::read(&table, &columns, row, relative_se)?);
+    }
+    let largest = lines
+        .iter()
+        .flat_map(|line| &line.beta)
+        .fold(0.0, |a: f64, b| a.max(*b));
+    let mut negative = Vec::new();
+    for (row, line) in lines.iter().enumerate() {
+        negative.extend(line.negative(&table, &columns, row, largest)?);
+    }
+    if let Some(lowest) = negative.iter().copied().reduce(f64::min) {
+        notices.push(format!(
+            "{} values of the sample are below 0, the lowest {}: taken as they are, as noise about 0",
+            negative.len(),
+            shown(lowest)
+        ));
+    }
+    let has_se = columns.has_se();
+    let (axis, rows) = match &columns.values {
+        Values::Rgb { .. } => (Axis::Rgb, each_once(&table, lines, &mut notices)?),
+        Values::Wide { beta, .. } => wide(&table, beta, lines, &mut notices)?,
+        Values::Long { wavelength, .. } => spectral(&table, *wavelength, lines, &mut notices)?,
+    };
+    notices.extend(plausibility::per_cent_for_fractions(
+        "beta",
+        rows.iter().flat_map(|row| row.beta.iter().copied()),
+    ));
+    let radians = plausibility::radians_for_degrees(rows.iter().flat_map(|row| [row.theta_i_deg, row.theta_v_deg]));
+    // 1.05 is no reading at 1 degree where it is one at 60.
+    let (rows, angles) = match radians.is_some() {
+        true => as_read(rows),
+        false => nominal(rows),
+    };
+    notices.extend(radians);
+    Ok(Curves {
+        axis,
+        has_se,
+        rows,
+        angles,
+        notices,
+    })
+}
+
+/// What columns of other names were taken for, and what that means for the sign of a view.
+fn renamed(columns: &Columns, table: &CsvTable) -> String {
+    let unsigned = (0..table.len()).all(|row| !table.text(row, columns.theta_v).starts_with('-'));
+    let sign = match unsigned {
+        true => "; no view is below 0, so all are on the mirror side of the normal",
+        false => "; views below 0 are on the light's side of the normal",
+    };
+    format!(
+        "columns of the sample were read as these: {}{sign}",
+        table.renamed().join(", ")
+    )
+}
+
+/// Views and incidences that an encoder may read back below 0 where 0 was meant.
+const BELOW_NORMAL_DEG: f64 = -super::nominal::ANGLE_TOLERANCE_DEG;
+
+/// One line of readings: a whole reading, or one wavelength of the long layout.
+type Line = Row;
+
+impl Line {
+    fn read(table: &CsvTable, columns: &Columns, row: usize, relative_se: f64) -> Result<Self, Box<CsvError>> {
+        let checked = |column: usize, expected: &str, remedy: &str, allowed: &dyn Fn(f64) -> bool| {
+            let value = table.number(row, column, expected)?;
+            if allowed(value) {
+                Ok(value)
+            } else {
+                Err(table.cell_error(row, column, expected, remedy))
+            }
+        };
+        let theta_i_deg = checked(
+            columns.theta_i,
+            "an incidence in degrees from the normal, 0 or more and below 90",
+            "check the unit and the column; the light's side is given by the sign of theta_v_deg",
+            &|v| (BELOW_NORMAL_DEG..90.0).contains(&v),
+        )?;
+        let theta_v_deg = checked(
+            columns.theta_v,
+            "a signed view angle in degrees, above -90 and below 90",
+            "check the unit and the column; readings are of reflection alone, with the view above the cloth",
+            &|v| v.abs() < 90.0,
+        )?;
+        let (beta, se) = columns.places();
+        let beta = beta
+            .into_iter()
+            .map(|column| table.number(row, column, BETA))
+            .collect::<Result<Vec<_>, _>>()?;
+        let se = if se.is_empty() {
+            beta.iter().map(|b| b.abs() * relative_se).collect()
+        } else {
+            let expected = "a standard error in the unit of beta, dimensionless, 0 or more";
+            se.into_iter()
+                .map(|column| {
+                    checked(
+                        column,
+                        expected,
+                        "give its size without a sign, or leave the column out",
+                        &|v| v >= 0.0,
+                    )
+                })
+                .collect::<Result<Vec<_>, _>>()?
+        };
+        Ok(Self {
+            theta_i_deg,
+            theta_v_deg,
+            beta,
+            se,
+        })
+    }
+
+    /// Values below 0 as a dark reading's noise leaves them: no farther than three of their standard errors, or than 2 % of the
+    /// table's largest value.
+    fn negative(
+        &self,
+        table: &CsvTable,
+        columns: &Columns,
+        row: usize,
+        largest: f64,
+    ) -> Result<Vec<f64>, Box<CsvError>> {
+        const NOISE: f64 = 0.02;
+        const SIGMAS: f64 = 3.0;
+        let values = std::iter::zip(&self.beta, &self.se).enumerate();
+        let below = values.filter(|(_, (beta, _))| **beta < 0.0);
+        below
+            .map(|(k, (&beta, se))| match -beta <= (NOISE * largest).max(SIGMAS * se) {
+                true => Ok(beta),
+                false => Err(table.cell_error(
+                    row,
+                    columns.places().0[k],
+                    BETA,
+                    "noise about 0 is read to 2 % of the largest value or three standard errors; a colour outside the RGB \
+                     space has to be given as spectral data",
+                )),
+            })
+            .collect()
+    }
+}
+
+const BETA: &str = "a brightness factor, dimensionless, 0 or more";
+
+/// Bits of the two angles; adding 0 makes one zero of the two.
+fn key(row: &Row) -> [u64; 2] {
+    [(row.theta_i_deg + 0.0).to_bits(), (row.theta_v_deg + 0.0).to_bits()]
+}
+
+fn geometry_text(row: &Row) -> String {
+    format!(
+        "theta_i_deg {}, theta_v_deg {}",
+        shown(row.theta_i_deg),
+        shown(row.theta_v_deg)
+    )
+}
+
+/// Rows of different geometries; the same reading written twice is one, and `notices` tell how many.
+fn each_once(table: &CsvTable, entries: Vec<Row>, notices: &mut Vec<String>) -> Result<Vec<Row>, Box<CsvError>> {
+    let mut seen: HashMap<[u64; 2], usize> = HashMap::new();
+    let mut repeated = 0;
+    let mut first_lines = Vec::new();
+    let mut rows: Vec<Row> = Vec::with_capacity(entries.len());
+    for (index, entry) in entries.into_iter().enumerate() {
+        match seen.get(&key(&entry)) {
+            Some(&first) if rows[first] == entry => repeated += 1,
+            Some(&first) => return Err(twice(table, index, first_lines[first], &geometry_text(&entry))),
+            None => {
+                seen.insert(key(&entry), rows.len());
+                rows.push(entry);
+                first_lines.push(index);
+            }
+        }
+    }
+    notices.extend(plausibility::repeated(repeated));
+    Ok(rows)
+}
+
+fn twice(table: &CsvTable, row: usize, first: usize, what: &str) -> Box<CsvError> {
+    let found = format!("{what} again with another value, first on line {}", table.line(first));
+    table.row_error(row, "every geometry once", &found, "keep one, or their mean")
+}
+
+/// Common to the observers' and the illuminants' tables.
+const COLOUR_NM: std::ops::RangeInclusive<f64> = 360.0..=780.0;
+
+/// Tells how many wavelengths lie beyond the CIE's tables.
+fn beyond_colour(count: usize, notices: &mut Vec<String>) {
+    if count > 0 {
+        notices.push(format!(
+            "{count} values of the sample are outside 360..780 nm, where the CIE tables are: left out"
+        ));
+    }
+}
+
+/// Readings with all their wavelengths on one line.
+fn wide(
+    table: &CsvTable,
+    columns: &[(f64, usize)],
+    lines: Vec<Line>,
+    notices: &mut Vec<String>,
+) -> Result<(Axis, Vec<Row>), SampleError> {
+    let kept = |k: &usize| COLOUR_NM.contains(&columns[*k].0);
+    let places: Vec<usize> = (0..columns.len()).filter(kept).collect();
+    if places.len() < 2 {
+        let found = format!("{} nm to {} nm", columns[0].0, columns[columns.len() - 1].0);
+        let expected = "two or more columns named by wavelengths from 360 to 780 nm";
+        let remedy = "measure in the visible, or name the columns by wavelengths in nm";
+        return Err(table.header_error(expected, &found, remedy).into());
+    }
+    beyond_colour((columns.len() - places.len()) * lines.len(), notices);
+    let nm = places.iter().map(|&k| columns[k].0).collect();
+    let take = |values: &[f64]| places.iter().map(|&k| values[k]).collect();
+    let rows = lines
+        .into_iter()
+        .map(|line| Row {
+            beta: take(&line.beta),
+            se: take(&line.se),
+            ..line
+        })
+        .collect();
+    let rows = each_once(table, rows, notices)?;
+    Ok((Axis::Wavelengths(WavelengthGrid::new(nm)?), rows))
+}
+
+/// One geometry of a spectral table while its lines are gathered.
+struct Gathered {
+    first_row: usize,
+    /// (wavelength in nm, row of the table)
+    points: Vec<(f64, usize)>,
+}
+
+/// Readings with one wavelength a line.
+fn spectral(
+    table: &CsvTable,
+    column: usize,
+    entries: Vec<Line>,
+    notices: &mut Vec<String>,
+) -> Result<(Axis, Vec<Row>), SampleError> {
+    const NM: std::ops::RangeInclusive<f64> = 100.0..=3000.0;
+    let mut found: HashMap<[u64; 2], usize> = HashMap::new();
+    let mut geometries: Vec<Gathered> = Vec::new();
+    let mut beyond = 0;
+    for (row, entry) in entries.iter().enumerate() {
+        let expected = "a wavelength in nm, 360..780, where the CIE tables are";
+        let nm = table.number(row, column, expected)?;
+        if !NM.contains(&nm) {
+            let remedy = plausibility::wavelength_unit(nm).unwrap_or("leave the row out");
+            return Err(table.cell_error(row, column, expected, remedy).into());
+        }
+        if !COLOUR_NM.contains(&nm) {
+            beyond += 1;
+            continue;
+        }
+        let index = *found.entry(key(entry)).or_insert_with(|| {
+            geometries.push(Gathered {
+                first_row: row,
+                points: Vec::new(),
+            });
+            geometries.len() - 1
+        });
+        geometries[index].points.push((nm, row));
+    }
+    if geometries.is_empty() {
+        let expected = "wavelengths in nm within 360..780, where the CIE tables are";
+        return Err(table
+            .row_error(0, expected, "none", "measure in the visible, or give wavelengths in nm")
+            .into());
+    }
+    beyond_colour(beyond, notices);
+    let mut repeated = 0;
+    for geometry in &mut geometries {
+        geometry.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let all = geometry.points.len();
+        geometry
+            .points
+            .dedup_by(|b, a| a.0 == b.0 && entries[a.1] == entries[b.1]);
+        repeated += all - geometry.points.len();
+        if let Some(pair) = geometry.points.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            let what = format!("{}, {} nm", geometry_text(&entries[pair[1].1]), pair[1].0);
+            return Err(twice(table, pair[1].1, pair[0].1, &what).into());
+        }
+    }
+    notices.extend(plausibility::repeated(repeated));
+    let nm: Vec<f64> = geometries[0].points.iter().map(|point| point.0).collect();
+    if let Some(other) = geometries
+        .iter()
+        .find(|g| !g.points.iter().map(|point| point.0).eq(nm.iter().copied()))
+    {
+        let first = &entries[geometries[0].first_row];
+        let expected = format!("the {} wavelengths of {}", nm.len(), geometry_text(first));
+        let text = format!(
+            "{} others at {}",
+            other.points.len(),
+            geometry_text(&entries[other.first_row])
+        );
+        let remedy = "measure every geometry at the same wavelengths, or resample first";
+        return Err(table.row_error(other.first_row, &expected, &text, remedy).into());
+    }
+    let rows = geometries
+        .iter()
+        .map(|geometry| {
+            let values = |of: fn(&Row) -> f64| geometry.points.iter().map(|point| of(&entries[point.1])).collect();
+            let first = &entries[geometry.first_row];
+            Row {
+                theta_i_deg: first.theta_i_deg,
+                theta_v_deg: first.theta_v_deg,
+                beta: values(|entry| entry.beta[0]),
+                se: values(|entry| entry.se[0]),
+            }
+        })
+        .collect();
+    Ok((Axis::Wavelengths(WavelengthGrid::new(nm)?), rows))
+}

@@ -1,0 +1,152 @@
+//! A sample, whatever layout its file has.
+
+use super::curves::Curves;
+use super::description::Description;
+use super::goniometric::GoniometricData;
+use super::nominal::AnglesRead;
+use super::ratios::PublishedRatios;
+use super::row::{Axis, Row};
+use crate::goniometric::Scatter;
+use crate::spectrum::plausibility;
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Data {
+    Curves(Curves),
+    Goniometric(Box<GoniometricData>),
+    Ratios(PublishedRatios),
+}
+
+/// A measured sample, checked as a whole when loaded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    pub(super) description: Description,
+    pub(super) data: Data,
+    pub(super) digest: String,
+}
+
+impl Sample {
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    pub fn name(&self) -> &str {
+        &self.description.name
+    }
+
+    /// SHA-256 of the data file's bytes, hexadecimal.
+    pub fn digest(&self) -> &str {
+        &self.digest
+    }
+
+    /// Colour ratios published without curves; none for a sample with readings.
+    pub fn published_ratios(&self) -> Option<&PublishedRatios> {
+        match &self.data {
+            Data::Ratios(ratios) => Some(ratios),
+            Data::Curves(_) | Data::Goniometric(_) => None,
+        }
+    }
+
+    /// Measured geometries (theta_i_deg, theta_v_deg), ascending.
+    ///
+    /// Of a goniometric file they are its own incidences with those of the views every 5 degrees that it has a value at.
+    pub fn geometries(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.rows().iter().map(|row| (row.theta_i_deg, row.theta_v_deg))
+    }
+
+    fn rows(&self) -> &[Row] {
+        match &self.data {
+            Data::Curves(curves) => curves.rows(),
+            Data::Goniometric(data) => data.rows(),
+            Data::Ratios(_) => &[],
+        }
+    }
+
+    /// Readings as the data have them at [`Sample::geometries`]; none for published ratios.
+    pub fn raw(&self) -> impl Iterator<Item = RawReading<'_>> {
+        self.rows().iter().map(|row| RawReading {
+            theta_i_deg: row.theta_i_deg,
+            theta_v_deg: row.theta_v_deg,
+            beta: &row.beta,
+            se: &row.se,
+        })
+    }
+
+    /// What the reader assumed, left out or found implausible: units, signs, columns by other names. For a report to show.
+    pub fn notices(&self) -> &[String] {
+        match &self.data {
+            Data::Curves(curves) => curves.notices(),
+            Data::Goniometric(data) => data.notices(),
+            Data::Ratios(_) => &[],
+        }
+    }
+
+    /// Whether it is light that went through, which has no reciprocity of its own: light and viewer exchanged are on the other sides.
+    pub fn is_transmission(&self) -> bool {
+        matches!(&self.data, Data::Goniometric(data) if data.scatter() == Scatter::Transmission)
+    }
+
+    /// Whether values or angles look like those of another unit, of which [`Sample::notices`] tell.
+    pub fn implausible(&self) -> bool {
+        let beta = self.rows().iter().flat_map(|row| row.beta.iter().copied());
+        let angles = self.geometries().flat_map(|(theta_i, theta_v)| [theta_i, theta_v]);
+        plausibility::per_cent_for_fractions("beta", beta).is_some()
+            || plausibility::radians_for_degrees(angles).is_some()
+    }
+
+    /// What was made of angles that an encoder read back.
+    pub fn angles_read(&self) -> AnglesRead {
+        match &self.data {
+            Data::Curves(curves) => curves.angles(),
+            Data::Goniometric(_) | Data::Ratios(_) => AnglesRead::default(),
+        }
+    }
+
+    /// Readings of the file that a comparison in the plane of incidence along x cannot use, lying outside it.
+    pub fn readings_outside_plane(&self) -> usize {
+        match &self.data {
+            Data::Goniometric(data) => data.outside_plane(),
+            Data::Curves(_) | Data::Ratios(_) => 0,
+        }
+    }
+
+    /// Whether the file is a table over the hemisphere, which has values between its nodes by its format.
+    pub fn is_table(&self) -> bool {
+        matches!(&self.data, Data::Goniometric(data) if !data.is_scattered())
+    }
+
+    /// Whether there is a value at a geometry, read or interpolated.
+    pub fn covers(&self, theta_i_deg: f64, theta_v_deg: f64) -> bool {
+        self.at(theta_i_deg, theta_v_deg).is_some()
+    }
+
+    /// Directional-hemispherical reflectance at an incidence in degrees, a value a channel of [`Sample::raw`], and the share of the
+    /// projected hemisphere that the file has values on. `None` of files of the plane of incidence alone.
+    pub fn hemispherical(&self, theta_i_deg: f64) -> Option<(Vec<f64>, f64)> {
+        match &self.data {
+            Data::Goniometric(data) => data.hemispherical(theta_i_deg),
+            Data::Curves(_) | Data::Ratios(_) => None,
+        }
+    }
+
+    /// Wavelengths in nm that the values of [`Sample::raw`] stand at; `None` for RGB and XYZ.
+    pub fn wavelengths_nm(&self) -> Option<&[f64]> {
+        let axis = match &self.data {
+            Data::Curves(curves) => curves.axis(),
+            Data::Goniometric(data) => data.axis(),
+            Data::Ratios(_) => return None,
+        };
+        match axis {
+            Axis::Wavelengths(grid) => Some(grid.nm()),
+            Axis::Rgb | Axis::Xyz => None,
+        }
+    }
+}
+
+/// One measured geometry: β and its standard error, a value a wavelength or one each of red, green and blue.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RawReading<'a> {
+    pub theta_i_deg: f64,
+    pub theta_v_deg: f64,
+    pub beta: &'a [f64],
+    pub se: &'a [f64],
+}
