@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use specval::run::{Plan, medium};
-use specval::study::{EstimatorChoice, InterferenceChoice, NumberOrTable, Study, StudyError, WeaveChoice};
+use specval::study::{EstimatorChoice, InterferenceChoice, NumberOrTable, Study, StudyError};
 use std::io::Write;
 
 fn refused(text: &str) -> StudyError {
@@ -117,7 +117,7 @@ fn what_is_written_is_read_back() {
     };
     study.spectrum.wavelengths_nm = Some(vec![400.0, 410.5]);
     study.medium.interference = InterferenceChoice::PercusYevick;
-    study.cloth.weave = WeaveChoice::Twill21;
+    study.cloth.weave = "twill-2-1".into();
     study.colour.observer = "cie1964-10deg".into();
     study.trace.roulette_threshold = 1e-5;
     study.trace.estimator = EstimatorChoice::Shared;
@@ -211,8 +211,8 @@ fn choices_are_suggested() {
     let message = refused("[cloth]\n\nweave = \"twil-2-1\"").to_string();
     assert_eq!(
         message,
-        "my.toml, line 3: `cloth.weave`: expected one of \"plain\", \"twill-2-1\", \"twill-3-1\", \"satin-5\", found \
-         \"twil-2-1\"; did you mean \"twill-2-1\"?"
+        "my.toml, line 3: `cloth.weave`: expected one of \"plain\", \"twill-2-1\", \"twill-3-1\", \"satin-5\"; or a path \
+         with a dot or slash in it, found \"twil-2-1\"; did you mean \"twill-2-1\"?"
     );
     assert!(
         refused("[colour]\nilluminant = 'd65'")

@@ -1,5 +1,6 @@
 //! What `--help` says beside the meaning of each option: examples, and names that are built in.
 
+use specval::cloth::Weave;
 use specval::colour::{Illuminant, Observer};
 use specval::sample::Sample;
 use specval::spectrum::tables;
@@ -51,6 +52,7 @@ pub const CONVERT: &str = "Examples:
   specval convert fabric.bsdf fabric.csv
   specval convert cloth.ddr cloth.ssdd --to ssdd-binary --force";
 pub const WEAVE: &str = "Examples:
+  specval weave satin-5
   specval weave twill.wif
   specval weave twill.wif --json";
 
@@ -61,11 +63,12 @@ pub fn init() -> String {
 
 Names in a study, beside paths of files:
   medium.dye         {}
-  cloth.weave        plain, twill-2-1, twill-3-1, satin-5
+  cloth.weave        {}
   colour.observer    {}
   colour.illuminant  {}
   measured.sample    {}",
         dyes(),
+        weaves(),
         observers(),
         illuminants(),
         samples()
@@ -74,6 +77,10 @@ Names in a study, beside paths of files:
 
 pub fn dyes() -> String {
     tables::dye_names().join(", ")
+}
+
+pub fn weaves() -> String {
+    Weave::NAMES.join(", ")
 }
 
 pub fn observers() -> String {

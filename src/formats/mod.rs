@@ -150,7 +150,7 @@ fn parse_values(format: Format, path: &str, bytes: &[u8], options: &ReadOptions)
                 path,
                 "a goniometric file",
                 "a weave draft (WIF)",
-                "print it with `specval weave`, or weave it in a study with [weave] draft",
+                "print it with `specval weave`, or name it as `weave` in `[cloth]` of a study",
             ));
         }
     };

@@ -71,7 +71,7 @@ impl FileKind {
             Self::Goniometric(_) => {
                 "see it with `specval inspect FILE`, or compare with it by `specval report --measured FILE`"
             }
-            Self::Draft => "see it with `specval weave FILE`, or name it as `draft` in `[weave]` of a study",
+            Self::Draft => "see it with `specval weave FILE`, or name it as `weave` in `[cloth]` of a study",
             Self::Spectra => {
                 "see its colours with `specval colour FILE`, or name it in a study as a dye, an index or a backing"
             }

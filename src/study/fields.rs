@@ -35,7 +35,7 @@ pub(super) enum Kind {
     IntegerOr(u64, u64, &'static str),
     Flag,
     Choice(&'static [&'static str]),
-    /// One of these names, or a path, told by [`is_path`].
+    /// One of these names, or a path, told by [`crate::text::is_path`].
     ChoiceOrPath(&'static [&'static str]),
     /// Any text but the empty one.
     Text,
@@ -94,11 +94,6 @@ impl Field {
             Kind::Text => "a text in quotes, not empty".into(),
         }
     }
-}
-
-/// Whether a text is a path and no mistyped name.
-pub(super) fn is_path(text: &str) -> bool {
-    text.contains(['.', '/', '\\'])
 }
 
 pub(super) fn quoted(words: &[&str]) -> String {

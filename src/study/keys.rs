@@ -1,6 +1,7 @@
 //! Every key of a study file: meaning, unit and range, written once.
 
 use super::fields::{Field, Kind, Range, Section};
+use crate::cloth::Weave;
 
 const fn closed(low: f64, high: f64) -> Range {
     Range {
@@ -345,8 +346,9 @@ pub(super) const SECTIONS: &[Section] = &[
             field(
                 "weave",
                 "",
-                Kind::Choice(&["plain", "twill-2-1", "twill-3-1", "satin-5"]),
-                "Which yarn is on top at each crossing.",
+                Kind::ChoiceOrPath(Weave::NAMES),
+                "Which yarn is on top at each crossing: a built-in weave, or a WIF file, whose smallest repeat is woven; \
+                 `specval weave` prints it.",
             ),
             field(
                 "centre_line",
@@ -443,19 +445,6 @@ pub(super) const SECTIONS: &[Section] = &[
                 "Seed of the variations, apart from the study's.",
             ),
         ],
-    },
-    Section {
-        name: "weave",
-        meaning: "A draft in place of the weave that [cloth] names.",
-        fields: &[optional(
-            field(
-                "draft",
-                "",
-                Kind::Text,
-                "Path to a WIF file; its smallest repeat is woven. `specval weave FILE` prints it.",
-            ),
-            "\"twill.wif\"",
-        )],
     },
     Section {
         name: "specular",

@@ -10,6 +10,7 @@ mod keys;
 mod origin;
 mod parse;
 mod paths;
+mod renamed;
 mod sections;
 mod validate;
 
@@ -22,8 +23,7 @@ pub use origin::Origin;
 pub use sections::{
     Bounces, CentreLineChoice, CheckSection, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
     GeometryChoice, InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection,
-    ShadeWith, SpectrumSection, SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeaveChoice, WeaveSection,
-    WeftSection, YarnSection,
+    ShadeWith, SpectrumSection, SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeftSection, YarnSection,
 };
 
 /// A study. The default is the built-in one.
@@ -38,8 +38,6 @@ pub struct Study {
     pub weft: WeftSection,
     pub trace: TraceSection,
     pub cloth: ClothSection,
-    #[serde(skip_serializing_if = "WeaveSection::is_default")]
-    pub weave: WeaveSection,
     pub specular: SpecularSection,
     pub rig: RigSection,
     pub colour: ColourSection,
@@ -60,7 +58,6 @@ impl Default for Study {
             weft: Default::default(),
             trace: Default::default(),
             cloth: Default::default(),
-            weave: Default::default(),
             specular: Default::default(),
             rig: Default::default(),
             colour: Default::default(),

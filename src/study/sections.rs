@@ -245,7 +245,7 @@ pub enum ShadeWith {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ClothSection {
-    pub weave: WeaveChoice,
+    pub weave: String,
     pub centre_line: CentreLineChoice,
     pub spacing_diameters: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -267,7 +267,7 @@ pub struct ClothSection {
 impl Default for ClothSection {
     fn default() -> Self {
         Self {
-            weave: WeaveChoice::Plain,
+            weave: "plain".into(),
             centre_line: CentreLineChoice::Peirce,
             spacing_diameters: 1.8,
             sinusoid_amplitude_mm: None,
@@ -321,33 +321,6 @@ impl Bounces {
             Self::Most(most) => most as usize,
             Self::Word(BouncesWord::All) => usize::MAX,
         }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum WeaveChoice {
-    #[serde(rename = "plain")]
-    Plain,
-    #[serde(rename = "twill-2-1")]
-    Twill21,
-    #[serde(rename = "twill-3-1")]
-    Twill31,
-    #[serde(rename = "satin-5")]
-    Satin5,
-}
-
-/// `[weave]`: a draft in place of the weave that `[cloth]` names.
-#[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct WeaveSection {
-    /// Path to a WIF file.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub draft: Option<String>,
-}
-
-impl WeaveSection {
-    pub(super) fn is_default(&self) -> bool {
-        self.draft.is_none()
     }
 }
 
