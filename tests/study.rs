@@ -17,6 +17,16 @@ fn the_commented_file_is_the_default_study() {
     assert!(text.contains("# a number, 1e-6 to 100 mm"), "{text}");
 }
 
+/// `specval init --keys` writes the page.
+#[test]
+fn docs_list_every_key() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/study.md")).unwrap();
+    assert!(
+        page == Study::page_of_keys(),
+        "docs/study.md is out of date: run `specval init --keys > docs/study.md`"
+    );
+}
+
 /// Every key of the types is in the commented file, so nobody has to read the source to learn of one.
 #[test]
 fn the_commented_file_has_every_key() {

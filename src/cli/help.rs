@@ -13,7 +13,8 @@ pub const REPORT: &str = "Examples:
 pub const INIT: &str = "Examples:
   specval init
   specval init studies
-  specval init -";
+  specval init -
+  specval init --keys";
 pub const MIE: &str = "Examples:
   specval mie --m-re 1.034 --m-im 0.004 --x 1.3
   specval mie --conducting --x 5 --angles 0,90,180 --json";

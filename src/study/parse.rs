@@ -3,10 +3,11 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
+use super::choices::GeometryChoice;
 use super::fields::{self, Field, Kind};
-use super::keys::SECTIONS;
+use super::keys::{self, RigSection, SECTIONS, Study};
 use super::renamed::{RENAMED, Renamed};
-use super::{GeometryChoice, Origin, Place, RigSection, Study, StudyError};
+use super::{Origin, Place, StudyError};
 use crate::text::is_path;
 
 type Spanned<T> = toml::Spanned<T>;
@@ -78,7 +79,7 @@ fn check_table(source: &Source, document: &DeTable, faults: &mut Vec<Fault>) {
     for (key, value) in document {
         let name = key.get_ref().as_ref();
         let offset = key.span().start;
-        if let Some(field) = fields::find("", name) {
+        if let Some(field) = keys::find("", name) {
             faults.extend(check_value(source, "", field, value));
         } else if is_section(name) {
             match value.get_ref() {
@@ -100,14 +101,14 @@ fn check_table(source: &Source, document: &DeTable, faults: &mut Vec<Fault>) {
 }
 
 /// Whether it is a section, now or in an old spelling.
-fn is_section(name: &str) -> bool {
+pub(super) fn is_section(name: &str) -> bool {
     SECTIONS.iter().any(|s| !s.name.is_empty() && s.name == name) || Renamed::of(name).next().is_some()
 }
 
 fn check_section(source: &Source, section: &str, table: &DeTable, faults: &mut Vec<Fault>) {
     for (key, value) in table {
         let name = key.get_ref().as_ref();
-        if let Some(field) = fields::find(section, name) {
+        if let Some(field) = keys::find(section, name) {
             faults.extend(check_value(source, section, field, value));
         } else if let Some(old) = Renamed::of(section).find(|old| old.field.key == name) {
             faults.extend(check_value(source, section, &old.field, value));
@@ -186,7 +187,7 @@ fn unknown(source: &Source, section: &str, key: &str, offset: usize) -> StudyErr
     let elsewhere = || {
         let home = SECTIONS
             .iter()
-            .find(|s| !s.name.is_empty() && fields::find(s.name, key).is_some())?;
+            .find(|s| !s.name.is_empty() && keys::find(s.name, key).is_some())?;
         Some(format!("`{key}` in [{}]", home.name))
     };
     StudyError::UnknownKey {

@@ -1,6 +1,7 @@
 use std::path::Path;
 
-use super::{NumberOrTable, Study};
+use super::choices::NumberOrTable;
+use super::keys::Study;
 use crate::cloth::Weave;
 use crate::colour::{Illuminant, Observer};
 use crate::sample::Sample;

@@ -1,8 +1,9 @@
 use toml::Value;
 
+use super::StudyError;
+use super::choices::{CentreLineChoice, SurfaceChoice};
 use super::fields::{self, Field, Kind};
-use super::keys::SECTIONS;
-use super::{CentreLineChoice, RigSection, SpectrumSection, Study, StudyError, SurfaceChoice, TraceSection};
+use super::keys::{self, RigSection, SECTIONS, SpectrumSection, Study, TraceSection};
 use crate::number::shown;
 use crate::spectrum::Samples;
 use crate::text::is_path;
@@ -160,7 +161,7 @@ pub(super) fn table_of(section: &str, key: &str, path: &str, values: &Samples) -
         unit,
         meaning,
         ..
-    }) = fields::find(section, key)
+    }) = keys::find(section, key)
     else {
         return fault(
             "a key that takes a table".into(),
