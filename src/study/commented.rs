@@ -1,7 +1,8 @@
 //! The keys as text: the study file that `specval init` writes, and docs/study.md.
 
-use super::fields::Section;
+use super::fields::{Section, path};
 use super::keys::{SECTIONS, Study};
+use super::renamed::RENAMED;
 
 const STUDY_HEADER: &str = "\
 # A study of specval: what to simulate and what to compare it with. Every key may be left out; the values here are the
@@ -52,6 +53,11 @@ pub(super) fn page_of_keys() -> String {
             out += &format!("| `{key}` | {shown} | {expected} | {meaning} |\n");
         }
     });
+    out += "\n## Old spellings\n\nThey are still read, with a notice.\n\n| old | now |\n| --- | --- |\n";
+    for old in RENAMED {
+        let (was, is) = (path(old.section, old.field.key), path(old.new_section, old.new_key));
+        out += &format!("| `{was}` | `{is}` |\n");
+    }
     out
 }
 
