@@ -46,6 +46,9 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<ExitCode, Failure
     inputs.extend(arguments.sample.iter().flat_map(|sample| sample_files(sample)));
     let outputs: Vec<&Path> = arguments.junit.as_deref().into_iter().collect();
     let (places, terminal) = &claim(&outputs, &inputs, &arguments.replace, options)?;
+    for notice in specval::run::study_notices(&study) {
+        terminal.notice(&notice);
+    }
     let checked = match &arguments.sample {
         Some(sample) => {
             // A gate would call a file of another kind a broken measurement.

@@ -1,5 +1,6 @@
 //! What `--help` says beside the meaning of each option: examples, and names that are built in.
 
+use specval::cloth::Weave;
 use specval::colour::{Illuminant, Observer};
 use specval::sample::Sample;
 use specval::spectrum::tables;
@@ -12,7 +13,8 @@ pub const REPORT: &str = "Examples:
 pub const INIT: &str = "Examples:
   specval init
   specval init studies
-  specval init -";
+  specval init -
+  specval init --keys";
 pub const MIE: &str = "Examples:
   specval mie --m-re 1.034 --m-im 0.004 --x 1.3
   specval mie --conducting --x 5 --angles 0,90,180 --json";
@@ -52,6 +54,7 @@ pub const CONVERT: &str = "Examples:
   specval convert fabric.bsdf fabric.csv
   specval convert cloth.ddr cloth.ssdd --to ssdd-binary --force";
 pub const WEAVE: &str = "Examples:
+  specval weave satin-5
   specval weave twill.wif
   specval weave twill.wif --json";
 
@@ -62,11 +65,12 @@ pub fn init() -> String {
 
 Names in a study, beside paths of files:
   medium.dye         {}
-  cloth.weave        plain, twill-2-1, twill-3-1, satin-5
+  cloth.weave        {}
   colour.observer    {}
   colour.illuminant  {}
   measured.sample    {}",
         dyes(),
+        weaves(),
         observers(),
         illuminants(),
         samples()
@@ -75,6 +79,10 @@ Names in a study, beside paths of files:
 
 pub fn dyes() -> String {
     tables::dye_names().join(", ")
+}
+
+pub fn weaves() -> String {
+    Weave::NAMES.join(", ")
 }
 
 pub fn observers() -> String {

@@ -1,4 +1,4 @@
-use super::{Failure, Options, Replace, claim, in_words};
+use super::{Failure, Options, Replace, Terminal, claim, in_words};
 use serde::Serialize;
 use specval::output::{make_folder, write_whole};
 use specval::study::Study;
@@ -10,8 +10,16 @@ pub struct Arguments {
     /// Folder for study.toml, made where it is missing; - prints the study.
     #[arg(value_name = "DIR", default_value = ".")]
     folder: PathBuf,
+    /// Print every key as a row of a table in Markdown, in place of the study.
+    #[arg(long, conflicts_with = "folder")]
+    keys: bool,
     #[command(flatten)]
     replace: Replace,
+}
+
+#[derive(Serialize)]
+struct Keys {
+    markdown: String,
 }
 
 #[derive(Serialize)]
@@ -20,6 +28,14 @@ struct Written {
 }
 
 pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
+    if arguments.keys {
+        return Terminal::new(options).result(
+            &Keys {
+                markdown: Study::page_of_keys(),
+            },
+            |keys| keys.markdown.clone(),
+        );
+    }
     let path = if arguments.folder == Path::new("-") {
         arguments.folder.clone()
     } else {

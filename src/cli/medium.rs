@@ -24,7 +24,7 @@ struct Coefficients {
 
 pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Result<(), Failure> {
     let study = study::load(arguments.study.as_deref(), options)?;
-    let notices = specval::run::unit_notices(&study);
+    let notices = specval::run::study_notices(&study);
     for notice in &notices {
         terminal.notice(notice);
     }

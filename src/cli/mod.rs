@@ -105,7 +105,7 @@ pub enum Command {
     /// A goniometric file in another format.
     #[command(after_long_help = help::CONVERT)]
     Convert(convert::Arguments),
-    /// The drawdown of a weave draft.
+    /// The drawdown of a built-in weave or of a draft.
     #[command(after_long_help = help::WEAVE)]
     Weave(weave::Arguments),
 }

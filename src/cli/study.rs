@@ -4,6 +4,7 @@ use super::{Failure, Options};
 use specval::run::{FileKind, OtherKind, Plan, RunError};
 use specval::sample::Chosen;
 use specval::study::{Study, StudyError};
+use specval::weave::WeaveError;
 use std::path::{Path, PathBuf};
 
 /// Why there is no study to run.
@@ -89,10 +90,10 @@ pub fn plan(study: Study) -> Result<Plan, Failure> {
 
 /// [`plan`] with a component of the sample that is chosen.
 pub fn plan_with(study: Study, chosen: Chosen) -> Result<Plan, Failure> {
-    let (sample, draft) = (study.measured.sample.clone(), study.weave.draft.clone());
-    Plan::with_sample(study, chosen).map_err(|error| match (error.unplaced(), draft) {
-        (RunError::Sample(_), _) => expect_sample(&sample).map_or_else(Failure::from, |()| error.into()),
-        (RunError::Draft(_), Some(draft)) => no_draft(error, Path::new(&draft)),
+    let (sample, weave) = (study.measured.sample.clone(), study.cloth.weave.clone());
+    Plan::with_sample(study, chosen).map_err(|error| match error.unplaced() {
+        RunError::Sample(_) => expect_sample(&sample).map_or_else(Failure::from, |()| error.into()),
+        RunError::Weave(WeaveError::File(_)) => no_draft(error, Path::new(&weave)),
         _ => error.into(),
     })
 }

@@ -1,15 +1,14 @@
-use super::{Failure, Terminal, study};
+use super::{Failure, Terminal, help, study};
 use serde::Serialize;
-use specval::weave::{Thread, WeaveDraft};
+use specval::weave::{Thread, WeaveDraft, WeaveError};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::Path;
 
 /// Prints who is on top at each crossing, and what the file says of the threads.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// WIF file.
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
+    #[arg(help = format!("Built-in weave ({}), or WIF file", help::weaves()), value_name = "NAME-OR-PATH")]
+    weave: String,
 }
 
 #[derive(Serialize)]
@@ -27,7 +26,10 @@ struct Drawdown {
 }
 
 pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
-    let draft = WeaveDraft::read(&arguments.file).map_err(|error| study::no_draft(error, &arguments.file))?;
+    let draft = WeaveDraft::load(&arguments.weave).map_err(|error| match error {
+        WeaveError::Unknown(_) => error.into(),
+        WeaveError::File(_) => study::no_draft(error, Path::new(&arguments.weave)),
+    })?;
     let (warps, wefts) = (draft.warps.len(), draft.wefts.len());
     let row = |i: usize| {
         (0..warps)

@@ -41,14 +41,12 @@ impl Draft {
         Ok(draft)
     }
 
-    /// Draft whose weft `i` dips under every warp but those with `weft_on_top(i, j)`.
-    fn square(repeat: usize, weft_on_top: impl Fn(usize, usize) -> bool) -> Self {
+    /// Rows of `X`, where the warp is on top, and `.`, one a weft.
+    fn of_drawdown(rows: &[&str]) -> Self {
         Self {
-            wefts: repeat,
-            warps: repeat,
-            warp_on_top: (0..repeat * repeat)
-                .map(|k| !weft_on_top(k / repeat, k % repeat))
-                .collect(),
+            wefts: rows.len(),
+            warps: rows.first().map_or(0, |row| row.len()),
+            warp_on_top: rows.concat().bytes().map(|mark| mark == b'X').collect(),
         }
     }
 
@@ -78,29 +76,87 @@ impl Draft {
     }
 }
 
-/// The weaves known by name, warp-faced where the faces differ, and any other.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
-pub enum Weave {
+/// [`Weave`] and its names, from a table of drawdowns over one repeat: a row a weft, first weft first, `X` where the warp is on top.
+macro_rules! built_in_weaves {
+    ($($(#[$meaning:meta])+ $weave:ident = $name:literal $rows:expr;)+) => {
+        /// A weave known by name, or the draft of any other.
+        #[derive(Clone, Debug, PartialEq, Eq)]
+        pub enum Weave {
+            $($(#[$meaning])+ $weave,)+
+            Custom(Draft),
+        }
+
+        impl Weave {
+            pub const BUILT_IN: &'static [Self] = &[$(Self::$weave),+];
+            /// Names of [`Self::BUILT_IN`].
+            pub const NAMES: &'static [&'static str] = &[$($name),+];
+
+            pub fn draft(&self) -> Draft {
+                match self {
+                    $(Self::$weave => Draft::of_drawdown(&$rows),)+
+                    Self::Custom(draft) => draft.clone(),
+                }
+            }
+        }
+    };
+}
+
+// Warp-faced where the faces differ. A weave that is added here is in the study file, the help and the messages.
+built_in_weaves! {
     /// Over one, under one.
-    #[default]
-    Plain,
+    Plain = "plain" [
+        "X.",
+        ".X",
+    ];
     /// Warp over two, under one; the twill line climbs one warp a weft.
-    Twill21,
+    Twill21 = "twill-2-1" [
+        ".XX",
+        "X.X",
+        "XX.",
+    ];
     /// Warp over three, under one; the twill line climbs one warp a weft.
-    Twill31,
+    Twill31 = "twill-3-1" [
+        ".XXX",
+        "X.XX",
+        "XX.X",
+        "XXX.",
+    ];
     /// Five-end warp satin: each warp under one weft in five, the next weft's place two warps on (move number 2).
-    Satin5,
-    Custom(Draft),
+    Satin5 = "satin-5" [
+        ".XXXX",
+        "XX.XX",
+        "XXXX.",
+        "X.XXX",
+        "XXX.X",
+    ];
 }
 
 impl Weave {
-    pub fn draft(&self) -> Draft {
-        match self {
-            Self::Plain => Draft::square(2, |i, j| i != j),
-            Self::Twill21 => Draft::square(3, |i, j| i == j),
-            Self::Twill31 => Draft::square(4, |i, j| i == j),
-            Self::Satin5 => Draft::square(5, |i, j| j == 2 * i % 5),
-            Self::Custom(draft) => draft.clone(),
+    pub fn named(name: &str) -> Option<Self> {
+        let place = Self::NAMES.iter().position(|known| *known == name)?;
+        Self::BUILT_IN.get(place).cloned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each drawdown is one that [`Draft::new`] accepts, and each name leads to its own weave.
+    #[test]
+    fn built_in_weaves_are_drafts() {
+        for (weave, name) in Weave::BUILT_IN.iter().zip(Weave::NAMES) {
+            let draft = weave.draft();
+            let row = |i| {
+                (0..draft.warps)
+                    .map(|j| draft.warp_on_top[i * draft.warps + j])
+                    .collect()
+            };
+            let rows: Vec<Vec<bool>> = (0..draft.wefts).map(row).collect();
+            assert_eq!(draft.warp_on_top.len(), draft.wefts * draft.warps, "{name}");
+            assert_eq!(Draft::new(&rows), Ok(draft), "{name}");
+            assert_eq!(Weave::named(name).as_ref(), Some(weave));
         }
+        assert_eq!(Weave::named("Plain"), None);
     }
 }

@@ -17,6 +17,8 @@ macro_rules! named {
 
         impl $name {
             pub const ALL: &[Self] = &[$(Self::$value),+];
+            /// Their names.
+            pub const NAMES: &[&str] = &[$($text),+];
 
             pub fn name(self) -> &'static str {
                 match self {

@@ -31,6 +31,8 @@ macro_rules! named_or_file {
         impl $name {
             /// Those that are built in.
             pub const ALL: &[Self] = &[$(Self::$value),+];
+            /// Their names.
+            pub const NAMES: &[&str] = &[$($text),+];
 
             /// Name of a built-in one, path of a file.
             pub fn name(&self) -> &str {

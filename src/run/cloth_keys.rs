@@ -98,13 +98,22 @@ pub(super) fn at_key(study: &Study, spec: &ClothSpec, error: &ClothError) -> Opt
                 "reduce it, `cloth.segments_around`, or take a draft with fewer yarns".into(),
             )
         }
-        ClothError::NeverInterlaces { .. } | ClothError::EmptyDraft | ClothError::RaggedDraft { .. } => value(
-            "weave.draft",
-            "a draft in which every yarn changes sides".into(),
-            error.to_string(),
-            "`specval weave` prints the draft".into(),
-        ),
+        ClothError::NeverInterlaces { .. } | ClothError::EmptyDraft | ClothError::RaggedDraft { .. } => {
+            Some(of_weave(study, error))
+        }
         ClothError::Length { .. } | ClothError::Ratio { .. } | ClothError::Segments { .. } => None,
+    }
+}
+
+/// The error of a draft that is no weave.
+pub(super) fn of_weave(study: &Study, error: &ClothError) -> StudyError {
+    let key = "cloth.weave";
+    StudyError::Value {
+        place: study.origin.place(key),
+        key: key.into(),
+        expected: "a weave in which every yarn changes sides".into(),
+        found: format!("{}, of which {error}", study.cloth.weave),
+        remedy: "print it with `specval weave`, and change the draft".into(),
     }
 }
 

@@ -1,5 +1,6 @@
 use crate::artefact;
 use crate::formats::{self, Format};
+use crate::study::Study;
 use crate::text::{Heading, heading};
 use std::fmt;
 use std::fs::File;
@@ -71,7 +72,7 @@ impl FileKind {
             Self::Goniometric(_) => {
                 "see it with `specval inspect FILE`, or compare with it by `specval report --measured FILE`"
             }
-            Self::Draft => "see it with `specval weave FILE`, or name it as `draft` in `[weave]` of a study",
+            Self::Draft => "see it with `specval weave FILE`, or name it as `weave` in `[cloth]` of a study",
             Self::Spectra => {
                 "see its colours with `specval colour FILE`, or name it in a study as a dye, an index or a backing"
             }
@@ -151,14 +152,10 @@ fn of_titles(text: &str) -> Option<FileKind> {
 
 /// A study has sections of a study, a description the keys of one.
 fn of_toml(table: &toml::Table) -> Option<FileKind> {
-    const SECTIONS: [&str; 14] = [
-        "seed", "spectrum", "medium", "yarn", "weft", "trace", "cloth", "weave", "specular", "rig", "colour",
-        "measured", "sweep", "check",
-    ];
     let has = |key: &&str| table.contains_key(*key);
     if ["name", "source", "licence"].iter().all(has) {
         Some(FileKind::SampleDescription)
-    } else if SECTIONS.iter().any(has) {
+    } else if table.keys().any(|key| Study::has_at_top(key)) {
         Some(FileKind::Study)
     } else {
         None

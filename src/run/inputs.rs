@@ -1,3 +1,4 @@
+use crate::cloth::Weave;
 use crate::colour::{Illuminant, Observer};
 use crate::sample::Sample;
 use crate::spectrum::tables;
@@ -24,7 +25,9 @@ pub fn input_files(study: &Study) -> Vec<PathBuf> {
             .filter(|name| !built_in(name, &names))
             .map(PathBuf::from),
     );
-    files.extend(study.weave.draft.iter().map(PathBuf::from));
+    if Weave::named(&study.cloth.weave).is_none() {
+        files.push(PathBuf::from(&study.cloth.weave));
+    }
     files.extend(sample_files(&study.measured.sample));
     files
 }

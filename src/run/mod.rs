@@ -41,7 +41,7 @@ pub use inputs::{input_files, sample_files};
 pub use light::{FactorCloth, VolumetricCloth};
 pub(crate) use light::{LitBatch, LitViews};
 pub use memory::{Stage, bytes as memory_bytes, check_memory, refuse_beyond};
-pub use plan::{Plan, RunError, medium, unit_notices};
+pub use plan::{Plan, RunError, medium, study_notices};
 pub(crate) use plan::{dye_on, medium_spec};
 pub use reabsorb::{Notice, NoticeKind, Reabsorbed, reabsorb};
 pub use readings::report_geometries;

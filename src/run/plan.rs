@@ -4,7 +4,6 @@ use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Weave};
 use crate::colour::{ColourError, ColourSystem, Convention};
 use crate::compare::{CompareError, Geometry};
 use crate::fault::{self, Fault};
-use crate::formats::FormatError;
 use crate::optics::{Interference, Medium, MediumSpec, OpticsError};
 use crate::output::OutputError;
 use crate::report::{InputDigest, ReportError};
@@ -15,10 +14,10 @@ use crate::shading::{Distribution, FibreGloss, ShadingError, Specular};
 use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, plausibility, read_spectrum, tables};
 use crate::study::{
     CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable, Origin,
-    Place, SpecularSection, Study, StudyError, SurfaceChoice, TraceSection, WeaveChoice,
+    Place, SpecularSection, Study, StudyError, SurfaceChoice, TraceSection,
 };
 use crate::transport::{Cylinder, Roulette};
-use crate::weave::WeaveDraft;
+use crate::weave::{WeaveDraft, WeaveError};
 use crate::woven::YarnSurface;
 use crate::yarn::{BssrdfGrid, Effort, Estimator, IncidentGrid, SurfaceGrid, Yarn, YarnError, YarnResponseGrid};
 use std::path::{Path, PathBuf};
@@ -66,8 +65,8 @@ pub enum RunError {
     Rig(#[from] RigError),
     #[error(transparent)]
     Colour(#[from] ColourError),
-    #[error("`weave.draft`: {0}")]
-    Draft(#[from] FormatError),
+    #[error("`cloth.weave`: {0}")]
+    Weave(#[from] WeaveError),
     #[error("`measured.sample`: {0}")]
     Sample(#[from] SampleError),
     #[error(transparent)]
@@ -128,7 +127,7 @@ impl RunError {
             Self::Dye { section, .. } => format!("{section}.dye"),
             Self::Table { section, key, .. } | Self::Medium { section, key, .. } => format!("{section}.{key}"),
             Self::Backing { .. } => "cloth.backing".into(),
-            Self::Draft(_) => "weave.draft".into(),
+            Self::Weave(_) => "cloth.weave".into(),
             Self::Sample(_) => "measured.sample".into(),
             Self::Colour(ColourError::File { kind, .. }) => format!("colour.{kind}"),
             Self::Colour(ColourError::NoSuch(unknown)) => format!("colour.{}", unknown.kind),
@@ -242,7 +241,7 @@ impl Plan {
 
     /// What makes numbers of this study doubtful whatever is done with them, for the user.
     pub fn notices(&self) -> Vec<String> {
-        let mut notices = unit_notices(&self.study);
+        let mut notices = study_notices(&self.study);
         notices.extend(self.long_paths());
         notices
     }
@@ -252,7 +251,7 @@ impl Plan {
     /// # Errors
     /// As [`Plan::work_notice`].
     pub fn notices_before(&self, stage: Stage) -> Result<Vec<String>, StudyError> {
-        let mut notices = unit_notices(&self.study);
+        let mut notices = study_notices(&self.study);
         notices.extend(self.work_notice(stage)?);
         Ok(notices)
     }
@@ -489,8 +488,9 @@ pub(crate) fn medium_spec(study: &Study, grid: &WavelengthGrid) -> Result<Medium
     spec_of(&study.medium, MediumSpectra::read("medium", &study.medium, grid)?, grid)
 }
 
-/// Numbers of a study's media that look like those of another unit.
-pub fn unit_notices(study: &Study) -> Vec<String> {
+/// Old spellings of a study's file, and numbers of its media that look like those of another unit.
+pub fn study_notices(study: &Study) -> Vec<String> {
+    let mut notices = study.origin.notices().to_vec();
     let weft = study.weft.medium(&study.medium);
     let mut media = vec![("medium", study.medium.particle_diameter_nm)];
     if weft.particle_diameter_nm != study.medium.particle_diameter_nm {
@@ -500,7 +500,8 @@ pub fn unit_notices(study: &Study) -> Vec<String> {
         let doubt = plausibility::particle_diameter(diameter_nm)?;
         Some(format!("`{section}.particle_diameter_nm`: {doubt}"))
     };
-    media.into_iter().filter_map(told).collect()
+    notices.extend(media.into_iter().filter_map(told));
+    notices
 }
 
 /// The medium of a valid study alone.
@@ -582,21 +583,18 @@ fn colour_files(convention: &Convention) -> Vec<InputDigest> {
 
 /// The weave by its name, or the repeat of the draft, whose drawdown goes into the inputs' digests.
 fn weave(study: &Study, inputs: &mut Vec<InputDigest>) -> Result<Weave, RunError> {
-    let Some(path) = &study.weave.draft else {
-        return Ok(match study.cloth.weave {
-            WeaveChoice::Plain => Weave::Plain,
-            WeaveChoice::Twill21 => Weave::Twill21,
-            WeaveChoice::Twill31 => Weave::Twill31,
-            WeaveChoice::Satin5 => Weave::Satin5,
-        });
-    };
-    let draft = WeaveDraft::read(Path::new(path))?;
+    let name_or_path = &study.cloth.weave;
+    if let Some(weave) = Weave::named(name_or_path) {
+        return Ok(weave);
+    }
+    let draft = WeaveDraft::load(name_or_path)?;
     let [wefts, warps] = draft.repeat();
     let crossings = (0..wefts).flat_map(|i| (0..warps).map(move |j| (i, j)));
     let mut drawdown: Vec<u8> = format!("{wefts} {warps} ").into_bytes();
     drawdown.extend(crossings.map(|(i, j)| if draft.warp_on_top(i, j) { b'X' } else { b'.' }));
-    inputs.push(InputDigest::of(format!("draft {path}"), &drawdown));
-    Ok(Weave::Custom(draft.draft()?))
+    inputs.push(InputDigest::of(format!("draft {name_or_path}"), &drawdown));
+    let draft = draft.draft().map_err(|error| cloth_keys::of_weave(study, &error))?;
+    Ok(Weave::Custom(draft))
 }
 
 /// A word, or a file of reflectances from 0 to 1.

@@ -4,6 +4,7 @@ use super::readings::{NORMAL, count, incidences_of, readings};
 use super::{
     CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows, grazing_gains, grazing_notice,
 };
+use crate::cloth::Weave;
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{
     self, Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, HueComparison, Inputs, Propagation,
@@ -162,7 +163,8 @@ pub fn report(
                 .into(),
         );
     }
-    if let Some(draft) = &plan.study.weave.draft {
+    if let Weave::Custom(_) = plan.cloth_spec.weave {
+        let draft = &plan.study.cloth.weave;
         fallbacks.push(format!(
             "of the draft {draft} the interlacement alone is taken: warp and weft have the study's yarns, and colours, spacings \
              and thicknesses of the file are left out"

@@ -1,7 +1,6 @@
-//! What is known of a key of a study file: the reader, the validation and the commented file that `specval init` writes all take it
-//! from here. The keys themselves: [`super::keys`].
+//! What is known of a key of a study file: the reader, the validation, the file that `specval init` writes and the page
+//! of keys in the docs all take it from here. The keys themselves: [`super::keys`].
 
-use super::keys::SECTIONS;
 use crate::number::shown;
 
 /// A section of the file and its keys. The empty name is the top level.
@@ -11,6 +10,7 @@ pub(super) struct Section {
     pub fields: &'static [Field],
 }
 
+#[derive(Clone, Copy)]
 pub(super) struct Field {
     pub key: &'static str,
     pub meaning: &'static str,
@@ -35,7 +35,7 @@ pub(super) enum Kind {
     IntegerOr(u64, u64, &'static str),
     Flag,
     Choice(&'static [&'static str]),
-    /// One of these names, or a path, told by [`is_path`].
+    /// One of these names, or a path, told by [`crate::text::is_path`].
     ChoiceOrPath(&'static [&'static str]),
     /// Any text but the empty one.
     Text,
@@ -50,6 +50,39 @@ pub(super) struct Range {
     pub high_included: bool,
 }
 
+/// Both ends belong to it.
+pub(super) const fn closed(low: f64, high: f64) -> Range {
+    Range {
+        low,
+        low_included: true,
+        high,
+        high_included: true,
+    }
+}
+
+/// The low end does not belong to it.
+pub(super) const fn above(low: f64, high: f64) -> Range {
+    Range {
+        low_included: false,
+        ..closed(low, high)
+    }
+}
+
+/// The high end does not belong to it.
+pub(super) const fn below(low: f64, high: f64) -> Range {
+    Range {
+        high_included: false,
+        ..closed(low, high)
+    }
+}
+
+/// Neither end belongs to it.
+pub(super) const fn between(low: f64, high: f64) -> Range {
+    Range {
+        high_included: false,
+        ..above(low, high)
+    }
+}
 impl Range {
     pub fn contains(&self, value: f64) -> bool {
         (value > self.low || (self.low_included && value == self.low))
@@ -80,7 +113,8 @@ impl Field {
         match self.kind {
             Kind::Number(range) => format!("a number, {range}{unit}"),
             Kind::NumberOrTable(range) => format!(
-                "a number, {range}{unit}, or a path in quotes to a CSV of such numbers, columns wavelength_nm,value, or CGATS text"
+                "a number, {range}{unit}, or a path in quotes to a CSV of such numbers, columns wavelength_nm,value, or \
+                 CGATS text"
             ),
             Kind::Numbers(range, at_least) => format!("a list of {at_least} or more numbers, each {range}{unit}"),
             Kind::Integer(low, high) => format!("a whole number, {low} to {high}{unit}"),
@@ -96,18 +130,8 @@ impl Field {
     }
 }
 
-/// Whether a text is a path and no mistyped name.
-pub(super) fn is_path(text: &str) -> bool {
-    text.contains(['.', '/', '\\'])
-}
-
 pub(super) fn quoted(words: &[&str]) -> String {
     words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(", ")
-}
-
-pub(super) fn find(section: &str, key: &str) -> Option<&'static Field> {
-    let section = SECTIONS.iter().find(|s| s.name == section)?;
-    section.fields.iter().find(|f| f.key == key)
 }
 
 /// `key`, or `section.key`.
@@ -116,5 +140,33 @@ pub(super) fn path(section: &str, key: &str) -> String {
         key.into()
     } else {
         format!("{section}.{key}")
+    }
+}
+
+/// The key of this name, for rows that are as one of another section. There must be one, or the program does not
+/// compile.
+pub(super) const fn same(fields: &[Field], key: &str) -> Field {
+    let mut i = 0;
+    while !is_same(fields[i].key, key) {
+        i += 1;
+    }
+    fields[i]
+}
+
+/// `==` of texts, for constants.
+const fn is_same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let mut i = 0;
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
+}
+
+/// The one that there is, if any.
+pub(super) const fn first(list: &'static [&'static str]) -> Option<&'static str> {
+    match list {
+        [one, ..] => Some(*one),
+        [] => None,
     }
 }

@@ -3,6 +3,10 @@
 //! A study is TOML. Every key has a default (the preprint's yarn), an unknown key is an error, and so is a value out of its
 //! range; the message names the line, what was expected and what was found.
 
+#[macro_use]
+mod table;
+
+mod choices;
 mod commented;
 mod error;
 mod fields;
@@ -10,67 +14,22 @@ mod keys;
 mod origin;
 mod parse;
 mod paths;
+mod renamed;
 mod sections;
 mod validate;
 
-use serde::{Deserialize, Serialize};
-
 use crate::spectrum::Samples;
 
-pub use error::{Place, StudyError};
-pub use origin::Origin;
-pub use sections::{
-    Bounces, CentreLineChoice, CheckSection, ClothSection, ColourSection, DistributionChoice, EstimatorChoice,
-    GeometryChoice, InterferenceChoice, MeasuredSection, MediumSection, MethodChoice, NumberOrTable, RigSection,
-    ShadeWith, SpectrumSection, SpecularSection, SurfaceChoice, SweepSection, TraceSection, WeaveChoice, WeaveSection,
-    WeftSection, YarnSection,
+pub use choices::{
+    Bounces, CentreLineChoice, DistributionChoice, EstimatorChoice, GeometryChoice, InterferenceChoice, MethodChoice,
+    NumberOrTable, ShadeWith, SurfaceChoice,
 };
-
-/// A study. The default is the built-in one.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Study {
-    pub seed: u64,
-    pub spectrum: SpectrumSection,
-    pub medium: MediumSection,
-    pub yarn: YarnSection,
-    #[serde(skip_serializing_if = "WeftSection::is_default")]
-    pub weft: WeftSection,
-    pub trace: TraceSection,
-    pub cloth: ClothSection,
-    #[serde(skip_serializing_if = "WeaveSection::is_default")]
-    pub weave: WeaveSection,
-    pub specular: SpecularSection,
-    pub rig: RigSection,
-    pub colour: ColourSection,
-    pub measured: MeasuredSection,
-    pub sweep: SweepSection,
-    pub check: CheckSection,
-    #[serde(skip)]
-    pub origin: Origin,
-}
-
-impl Default for Study {
-    fn default() -> Self {
-        Self {
-            seed: 1,
-            spectrum: Default::default(),
-            medium: Default::default(),
-            yarn: Default::default(),
-            weft: Default::default(),
-            trace: Default::default(),
-            cloth: Default::default(),
-            weave: Default::default(),
-            specular: Default::default(),
-            rig: Default::default(),
-            colour: Default::default(),
-            measured: Default::default(),
-            sweep: Default::default(),
-            check: Default::default(),
-            origin: Default::default(),
-        }
-    }
-}
+pub use error::{Place, StudyError};
+pub use keys::{
+    CheckSection, ClothSection, ColourSection, MeasuredSection, MediumSection, RigSection, SpectrumSection,
+    SpecularSection, Study, SweepSection, TraceSection, WeftSection, YarnSection,
+};
+pub use origin::Origin;
 
 impl Study {
     /// Reads and validates a study; what the text leaves out keeps its default. `file_name` is what errors call the text.
@@ -111,5 +70,15 @@ impl Study {
     /// The default study as TOML, each key with its meaning, unit and range.
     pub fn commented_toml() -> String {
         commented::default_study()
+    }
+
+    /// Every key with default, range, unit and meaning, as tables in Markdown: docs/study.md.
+    pub fn page_of_keys() -> String {
+        commented::page_of_keys()
+    }
+
+    /// Whether a study has such a key or section at its top level, or had in an old spelling.
+    pub fn has_at_top(word: &str) -> bool {
+        parse::is_section(word) || keys::find("", word).is_some()
     }
 }

@@ -9,6 +9,8 @@ pub struct Origin {
     file: String,
     /// By `section.key`, from 1.
     lines: BTreeMap<String, usize>,
+    /// Of old spellings.
+    notices: Vec<String>,
 }
 
 impl PartialEq for Origin {
@@ -22,6 +24,7 @@ impl Origin {
         Self {
             file: file.into(),
             lines,
+            notices: Vec::new(),
         }
     }
 
@@ -33,6 +36,22 @@ impl Origin {
                 line: self.lines.get(key).copied().unwrap_or(0),
             })
         })
+    }
+
+    /// That a key has its value from an old one, and what the user is told of it.
+    pub(super) fn rename(&mut self, old: &str, new: String, notice: &str) {
+        let line = self.lines.remove(old).unwrap_or(0);
+        let place = Place {
+            file: self.file.clone(),
+            line,
+        };
+        self.notices.push(format!("{place}: {notice}"));
+        self.lines.insert(new, line);
+    }
+
+    /// Old spellings of the file, each with the new one.
+    pub fn notices(&self) -> &[String] {
+        &self.notices
     }
 
     /// That a key no longer has its value from the file.

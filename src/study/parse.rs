@@ -3,9 +3,12 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
-use super::fields::{self, Field, Kind, Section};
-use super::keys::SECTIONS;
-use super::{GeometryChoice, Origin, Place, RigSection, Study, StudyError};
+use super::choices::GeometryChoice;
+use super::fields::{self, Field, Kind};
+use super::keys::{self, RigSection, SECTIONS, Study};
+use super::renamed::{RENAMED, Renamed};
+use super::{Origin, Place, StudyError};
+use crate::text::is_path;
 
 type Spanned<T> = toml::Spanned<T>;
 
@@ -49,8 +52,16 @@ pub(super) fn study(text: &str, file: &str) -> Result<Study, StudyError> {
     if let Some((_, first)) = faults.into_iter().min_by_key(|(offset, _)| *offset) {
         return Err(first);
     }
-    let mut study: Study = toml::from_str(text).map_err(|e| source.syntax(&e))?;
-    study.origin = origin(&source, document.get_ref());
+    let mut table: toml::Table = toml::from_str(text).map_err(|e| source.syntax(&e))?;
+    let mut origin = origin(&source, document.get_ref());
+    for renamed in RENAMED {
+        if let Some(notice) = renamed.apply(&mut table) {
+            let new = fields::path(renamed.new_section, renamed.new_key);
+            origin.rename(&fields::path(renamed.section, renamed.field.key), new, &notice);
+        }
+    }
+    let mut study: Study = table.try_into().map_err(|e| source.syntax(&e))?;
+    study.origin = origin;
     let rig = document.get_ref().get("rig").and_then(|rig| rig.get_ref().as_table());
     if rig.is_some_and(|rig| {
         !rig.contains_key("geometries") && RigSection::ANGLES.iter().any(|key| rig.contains_key(*key))
@@ -68,11 +79,11 @@ fn check_table(source: &Source, document: &DeTable, faults: &mut Vec<Fault>) {
     for (key, value) in document {
         let name = key.get_ref().as_ref();
         let offset = key.span().start;
-        if let Some(field) = fields::find("", name) {
+        if let Some(field) = keys::find("", name) {
             faults.extend(check_value(source, "", field, value));
-        } else if let Some(section) = SECTIONS.iter().find(|s| s.name == name && !name.is_empty()) {
+        } else if is_section(name) {
             match value.get_ref() {
-                DeValue::Table(table) => check_section(source, section, table, faults),
+                DeValue::Table(table) => check_section(source, name, table, faults),
                 other => faults.push((
                     offset,
                     StudyError::Type {
@@ -89,15 +100,21 @@ fn check_table(source: &Source, document: &DeTable, faults: &mut Vec<Fault>) {
     }
 }
 
-fn check_section(source: &Source, section: &Section, table: &DeTable, faults: &mut Vec<Fault>) {
+/// Whether it is a section, now or in an old spelling.
+pub(super) fn is_section(name: &str) -> bool {
+    SECTIONS.iter().any(|s| !s.name.is_empty() && s.name == name) || Renamed::of(name).next().is_some()
+}
+
+fn check_section(source: &Source, section: &str, table: &DeTable, faults: &mut Vec<Fault>) {
     for (key, value) in table {
         let name = key.get_ref().as_ref();
-        match fields::find(section.name, name) {
-            Some(field) => faults.extend(check_value(source, section.name, field, value)),
-            None => {
-                let offset = key.span().start;
-                faults.push((offset, unknown(source, section.name, name, offset)));
-            }
+        if let Some(field) = keys::find(section, name) {
+            faults.extend(check_value(source, section, field, value));
+        } else if let Some(old) = Renamed::of(section).find(|old| old.field.key == name) {
+            faults.extend(check_value(source, section, &old.field, value));
+        } else {
+            let offset = key.span().start;
+            faults.push((offset, unknown(source, section, name, offset)));
         }
     }
 }
@@ -125,9 +142,7 @@ fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<De
         Kind::Flag => found.is_bool(),
         Kind::Text => found.is_str(),
         Kind::Choice(choices) => found.as_str().is_some_and(|s| choices.contains(&s)),
-        Kind::ChoiceOrPath(choices) => found
-            .as_str()
-            .is_some_and(|s| choices.contains(&s) || fields::is_path(s)),
+        Kind::ChoiceOrPath(choices) => found.as_str().is_some_and(|s| choices.contains(&s) || is_path(s)),
     };
     if fits {
         return None;
@@ -165,13 +180,14 @@ fn unknown(source: &Source, section: &str, key: &str, offset: usize) -> StudyErr
         .find(|s| s.name == section)
         .map_or(&[][..], |s| s.fields);
     let mut known: Vec<&str> = fields.iter().map(|f| f.key).collect();
+    known.extend(Renamed::of(section).map(|old| old.field.key));
     if section.is_empty() {
         known.extend(SECTIONS.iter().map(|s| s.name).filter(|n| !n.is_empty()));
     }
     let elsewhere = || {
         let home = SECTIONS
             .iter()
-            .find(|s| !s.name.is_empty() && fields::find(s.name, key).is_some())?;
+            .find(|s| !s.name.is_empty() && keys::find(s.name, key).is_some())?;
         Some(format!("`{key}` in [{}]", home.name))
     };
     StudyError::UnknownKey {

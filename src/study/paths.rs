@@ -1,19 +1,21 @@
 use std::path::Path;
 
-use super::fields;
-use super::{NumberOrTable, Study};
+use super::choices::NumberOrTable;
+use super::keys::Study;
+use crate::cloth::Weave;
 use crate::colour::{Illuminant, Observer};
 use crate::sample::Sample;
 use crate::spectrum::tables;
+use crate::text::is_path;
 
 impl Study {
     /// Takes every path in the study as one from `folder`, the folder of the study's file: of each key, those of tables, dye, backing,
-    /// draft, observer, illuminant and sample. Names of built-in tables and samples stay, absolute paths too.
+    /// weave, observer, illuminant and sample. Names of built-in weaves, tables and samples stay, absolute paths too.
     pub fn at_folder(mut self, folder: &Path) -> Self {
         let rebase = |path: &mut String| *path = folder.join(&*path).display().to_string();
         // A word may be a file, or a misspelt name of what is built in.
         let rebase_word = |path: &mut String| {
-            if fields::is_path(path) || folder.join(&*path).exists() {
+            if is_path(path) || folder.join(&*path).exists() {
                 rebase(path);
             }
         };
@@ -37,8 +39,8 @@ impl Study {
                 rebase_word(dye);
             }
         }
-        if let Some(draft) = &mut self.weave.draft {
-            rebase(draft);
+        if Weave::named(&self.cloth.weave).is_none() {
+            rebase_word(&mut self.cloth.weave);
         }
         if !["none", "black", "white"].contains(&self.cloth.backing.as_str()) {
             rebase_word(&mut self.cloth.backing);

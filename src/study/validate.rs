@@ -1,10 +1,12 @@
 use toml::Value;
 
+use super::StudyError;
+use super::choices::{CentreLineChoice, SurfaceChoice};
 use super::fields::{self, Field, Kind};
-use super::keys::SECTIONS;
-use super::{CentreLineChoice, RigSection, SpectrumSection, Study, StudyError, SurfaceChoice, TraceSection};
+use super::keys::{self, RigSection, SECTIONS, SpectrumSection, Study, TraceSection};
 use crate::number::shown;
 use crate::spectrum::Samples;
+use crate::text::is_path;
 
 /// Most wavelengths or views a study may ask for.
 const MOST_STEPS: f64 = 10_000.0;
@@ -120,9 +122,7 @@ fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyErro
             .as_integer()
             .and_then(|i| u64::try_from(i).ok())
             .is_some_and(|i| (low..=high).contains(&i) && i % of == 0),
-        Kind::ChoiceOrPath(choices) => found
-            .as_str()
-            .is_some_and(|s| choices.contains(&s) || fields::is_path(s)),
+        Kind::ChoiceOrPath(choices) => found.as_str().is_some_and(|s| choices.contains(&s) || is_path(s)),
         Kind::IntegerOr(low, high, word) => match found.as_str() {
             Some(text) => text == word,
             None => found
@@ -161,7 +161,7 @@ pub(super) fn table_of(section: &str, key: &str, path: &str, values: &Samples) -
         unit,
         meaning,
         ..
-    }) = fields::find(section, key)
+    }) = keys::find(section, key)
     else {
         return fault(
             "a key that takes a table".into(),

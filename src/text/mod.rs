@@ -17,3 +17,8 @@ pub(crate) use csv_table::lines_of;
 pub use table::CsvError;
 pub(crate) use table::{CsvTable, shortened};
 pub(crate) use titles::{Heading, heading};
+
+/// Whether a text is a path and no mistyped name.
+pub(crate) fn is_path(text: &str) -> bool {
+    text.contains(['.', '/', '\\'])
+}

@@ -1,13 +1,24 @@
-//! Weave drafts from files: what a weaver's program wrote, as the interlacement and colours of a cloth.
+//! Weave drafts, built in or from files: what a weaver's program wrote, as the interlacement and colours of a cloth.
 
 mod ini;
 mod wif;
 
 use std::collections::HashMap;
 
-use crate::cloth::{ClothError, Draft};
+use crate::cloth::{ClothError, Draft, System, Weave};
 use crate::formats::FormatError;
+use crate::spectrum::UnknownName;
+use crate::text::is_path;
 use serde::Serialize;
+
+/// Why a name or path leads to no draft.
+#[derive(Debug, thiserror::Error)]
+pub enum WeaveError {
+    #[error("expected a built-in weave, or a WIF file by a path with a dot or slash in it: {0}")]
+    Unknown(#[from] UnknownName),
+    #[error(transparent)]
+    File(#[from] FormatError),
+}
 
 /// A draft over all its threads. Wefts are the picks in the order they are woven.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +79,34 @@ impl WeaveDraft {
         let [wefts, warps] = self.repeat();
         let row = |i: usize| (0..warps).map(|j| self.warp_on_top(i, j)).collect();
         Draft::new(&(0..wefts).map(row).collect::<Vec<_>>())
+    }
+
+    /// A built-in weave by its name, else the WIF file of that path.
+    ///
+    /// # Errors
+    /// Neither a name nor a file, or as [`Self::read`].
+    pub fn load(name_or_path: &str) -> Result<Self, WeaveError> {
+        if let Some(weave) = Weave::named(name_or_path) {
+            return Ok(Self::built_in(name_or_path, &weave.draft()));
+        }
+        let path = std::path::Path::new(name_or_path);
+        if is_path(name_or_path) || path.exists() {
+            return Ok(Self::read(path)?);
+        }
+        Err(UnknownName::new("weave", name_or_path, Weave::NAMES.iter().copied()).into())
+    }
+
+    /// One repeat of a weave, of threads of which nothing is stated.
+    fn built_in(name: &str, draft: &Draft) -> Self {
+        let [wefts, warps] = [System::Weft, System::Warp].map(|system| draft.yarns(system));
+        let crossings = (0..wefts).flat_map(|i| (0..warps).map(move |j| (i, j)));
+        Self {
+            title: Some(name.into()),
+            warp_on_top: crossings.map(|(i, j)| draft.warp_on_top(i, j)).collect(),
+            warps: vec![Thread::default(); warps],
+            wefts: vec![Thread::default(); wefts],
+            warnings: Vec::new(),
+        }
     }
 
     /// Reads a WIF file of at most 4 MiB.

@@ -133,6 +133,19 @@ fn bad_flags_name_themselves_and_what_was_expected() {
     }
 }
 
+/// `init --keys` prints the page of keys, as text and in the document.
+#[test]
+fn init_prints_the_keys() {
+    let page = specval::study::Study::page_of_keys();
+    assert_eq!(json(&["init", "--keys", "--json"])["markdown"], page);
+    assert!(
+        page.contains("| `radius_mm` | `0.15` | a number, 1e-6 to 100 mm | Radius of the yarn. |"),
+        "{page}"
+    );
+    let message = refusal(&["init", "--keys", "somewhere"]);
+    assert!(message.contains("--keys"), "{message}");
+}
+
 #[test]
 fn init_writes_the_built_in_study_once() {
     let scratch = tempfile::tempdir().unwrap();

@@ -114,6 +114,11 @@ fn weave_prints_the_drawdown() {
     let text = crate::command::specval(folder.path(), &["weave", &golden("twill22.wif")]);
     assert!(String::from_utf8(text.stdout).unwrap().contains("X..XX..X\n"));
     assert!(refusal(folder.path(), &["weave", &golden("spec_bw.sdt")]).contains("weave draft"));
+    let named = json(folder.path(), &["weave", "twill-2-1"]);
+    assert_eq!(named["drawdown"], serde_json::json!([".XX", "X.X", "XX."]));
+    fs::copy(golden("twill22.wif"), folder.path().join("mine")).unwrap();
+    assert_eq!(json(folder.path(), &["weave", "mine"])["repeat"], found["repeat"]);
+    assert!(refusal(folder.path(), &["weave", "satin5"]).contains("did you mean 'satin-5'?"));
 }
 
 /// β = π f at nodes as libbsdf read them; interpolated elsewhere, and said so.

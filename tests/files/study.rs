@@ -45,6 +45,7 @@ fn paths_belong_to_the_folder_of_the_study() {
         ("weft", "particle_index", "particle.csv"),
         ("weft", "dye", "dye"),
         ("cloth", "backing", "grey.csv"),
+        ("cloth", "weave", "twill.wif"),
         ("weave", "draft", "twill.wif"),
         ("colour", "observer", "eye.csv"),
         ("colour", "illuminant", "light.csv"),
@@ -69,6 +70,7 @@ fn paths_belong_to_the_folder_of_the_study() {
         "[medium]\ndye = \"RR2\"\n",
         "[colour]\nobserver = \"cie1964-10deg\"\n",
         "[cloth]\nbacking = \"white\"\n",
+        "[cloth]\nweave = \"satin-5\"\n",
     ] {
         let study = Study::from_toml(built_in, "my.toml").unwrap();
         assert_eq!(study.clone().at_folder(here), study);

@@ -204,7 +204,7 @@ fn faults_are_named() {
 /// Every weave with a name survives being written as a lift plan.
 #[test]
 fn known_weaves_as_lift_plans() {
-    for weave in [Weave::Plain, Weave::Twill21, Weave::Twill31, Weave::Satin5] {
+    for weave in Weave::BUILT_IN {
         let draft = weave.draft();
         let n = draft.yarns(specval::cloth::System::Warp);
         let mut wif = "[WIF]\n[WEAVING]\nRising Shed=yes\n[THREADING]\n".to_owned();
@@ -218,27 +218,114 @@ fn known_weaves_as_lift_plans() {
     }
 }
 
-/// `[weave] draft` weaves the repeat and enters the inputs.
+/// The text of a drawdown, as `specval weave` prints it.
+fn rows(draft: &WeaveDraft) -> String {
+    drawdown(draft).join(" ")
+}
+
+/// Built-in weaves by name, files by path; what is neither is refused with the names, the nearest and the way to a file.
 #[test]
-fn studies_weave_drafts() {
-    let study = |path: &str| {
-        Study::from_toml(
-            &format!("[weave]\ndraft = \"{path}\"\n[cloth]\nspacing_diameters = 2.5"),
-            "s",
+fn weaves_are_loaded_by_name_or_path() {
+    assert_eq!(
+        rows(&WeaveDraft::load("satin-5").unwrap()),
+        ".XXXX XX.XX XXXX. X.XXX XXX.X"
+    );
+    for (weave, name) in Weave::BUILT_IN.iter().zip(Weave::NAMES) {
+        let draft = WeaveDraft::load(name).unwrap();
+        assert_eq!(draft.draft().unwrap(), weave.draft(), "{name}");
+        assert_eq!(draft.title.as_deref(), Some(*name));
+    }
+    let path = golden("twill22.wif");
+    assert_eq!(
+        WeaveDraft::load(path.to_str().unwrap()).unwrap(),
+        WeaveDraft::read(&path).unwrap()
+    );
+    assert_eq!(
+        WeaveDraft::load("twil-2-1").unwrap_err().to_string(),
+        format!(
+            "expected a built-in weave, or a WIF file by a path with a dot or slash in it: weave 'twil-2-1' is not known; \
+             known: {}; did you mean 'twill-2-1'?",
+            Weave::NAMES.join(", ")
         )
-        .unwrap()
-    };
+    );
+    let missing = WeaveDraft::load("missing.wif").unwrap_err().to_string();
+    assert!(missing.starts_with("missing.wif"), "{missing}");
+}
+
+/// `[cloth] weave` weaves a built-in weave, or the repeat of a draft, which enters the inputs.
+#[test]
+fn studies_weave_names_and_paths() {
+    let study =
+        |weave: &str| Study::from_toml(&format!("[cloth]\nweave = \"{weave}\"\nspacing_diameters = 2.5"), "s").unwrap();
+    let is_draft = |plan: &Plan| plan.inputs.iter().any(|input| input.name.starts_with("draft "));
+    let named = Plan::new(study("satin-5")).unwrap();
+    assert!(named.cloth_spec.weave == Weave::Satin5 && !is_draft(&named));
     let path = golden("twill22.wif").display().to_string();
     let plan = Plan::new(study(&path)).unwrap();
     assert!(plan.inputs.iter().any(|input| input.name == format!("draft {path}")));
-    assert!(plan.study.to_toml().unwrap().contains("draft"));
+    assert!(plan.study.to_toml().unwrap().contains(&path));
+    let twill = WeaveDraft::read(&golden("twill22.wif")).unwrap().draft().unwrap();
+    assert_eq!(plan.cloth_spec.weave, Weave::Custom(twill));
     let Err(error) = Plan::new(study("missing.wif")) else {
         panic!("no draft, and yet a plan")
     };
     assert!(
-        error.to_string().starts_with("s, line 2: `weave.draft`: missing.wif"),
+        error.to_string().starts_with("s, line 2: `cloth.weave`: missing.wif"),
         "{error}"
     );
+}
+
+/// A draft with a yarn that never changes sides is refused by its key.
+#[test]
+fn a_draft_that_is_no_weave_is_refused_by_its_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let loose = text("twill22.wif").replacen("3=3\n4=4\n5=1", "3=0\n4=4\n5=1", 1);
+    std::fs::write(folder.path().join("loose.wif"), loose).unwrap();
+    let study = Study::from_toml("\n[cloth]\nweave = \"loose.wif\"\n", "s").unwrap();
+    let error = Plan::new(study.at_folder(folder.path())).err().unwrap().to_string();
+    assert!(
+        error.starts_with("s, line 3: `cloth.weave`: expected a weave"),
+        "{error}"
+    );
+    assert!(
+        error.contains("loose.wif") && error.contains("`specval weave`"),
+        "{error}"
+    );
+}
+
+/// The old key reads as it did, over the new one too, and its notice names the new one.
+#[test]
+fn the_old_key_of_drafts_is_read_with_a_notice() {
+    let path = golden("twill22.wif").display().to_string();
+    let old = Study::from_toml(&format!("[weave]\ndraft = \"{path}\"\n"), "s").unwrap();
+    let new = Study::from_toml(&format!("[cloth]\nweave = \"{path}\"\n"), "s").unwrap();
+    assert_eq!(old, new);
+    assert!(new.origin.notices().is_empty());
+    let notice =
+        format!("s, line 2: `weave.draft` is now `cloth.weave`: write weave = \"{path}\" in [cloth] in its place");
+    assert_eq!(old.origin.notices(), std::slice::from_ref(&notice));
+    assert!(Plan::new(old).unwrap().notices().contains(&notice));
+    // Both: the draft was woven.
+    let both = Study::from_toml("[cloth]\nweave = \"plain\"\n[weave]\ndraft = \"twill\"\n", "s").unwrap();
+    assert_eq!(both.cloth.weave, "./twill");
+    let notices = both.origin.notices().join("\n");
+    assert!(
+        notices.starts_with("s, line 4: ") && notices.ends_with(", for \"plain\", which is passed over"),
+        "{notices}"
+    );
+    for (text, words) in [
+        ("[weave]\ndraft = 3\n", "s, line 2: `weave.draft`: expected a text"),
+        (
+            "[weave]\ndraft = \"\"\n",
+            "s, line 2: `cloth.weave`: expected one of \"plain\"",
+        ),
+        ("[weave]\ndrft = \"a.wif\"\n", "did you mean `draft`? Known keys: draft"),
+        ("weave = \"plain\"\n", "s, line 1: "),
+    ] {
+        let message = Study::from_toml(text, "s").unwrap_err().to_string();
+        assert!(message.contains(words), "{message}");
+    }
+    assert_eq!(Study::from_toml("[weave]\n", "s"), Ok(Study::default()));
 }
 
 proptest! {

@@ -1,8 +1,9 @@
 //! The study file: what it accepts, what it refuses, and how it says so.
 
 use proptest::prelude::*;
+use specval::cloth::Weave;
 use specval::run::{Plan, medium};
-use specval::study::{EstimatorChoice, InterferenceChoice, NumberOrTable, Study, StudyError, WeaveChoice};
+use specval::study::{EstimatorChoice, InterferenceChoice, NumberOrTable, Study, StudyError};
 use std::io::Write;
 
 fn refused(text: &str) -> StudyError {
@@ -15,6 +16,16 @@ fn the_commented_file_is_the_default_study() {
     assert_eq!(Study::from_toml(&text, "study.toml"), Ok(Study::default()));
     assert!(text.contains("radius_mm = 0.15"), "{text}");
     assert!(text.contains("# a number, 1e-6 to 100 mm"), "{text}");
+}
+
+/// `specval init --keys` writes the page.
+#[test]
+fn docs_list_every_key() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/study.md")).unwrap();
+    assert!(
+        page == Study::page_of_keys(),
+        "docs/study.md is out of date: run `specval init --keys > docs/study.md`"
+    );
 }
 
 /// Every key of the types is in the commented file, so nobody has to read the source to learn of one.
@@ -106,7 +117,7 @@ fn every_offered_choice_is_accepted() {
             }
         }
     }
-    assert_eq!(tried, 35);
+    assert_eq!(tried, 31 + Weave::NAMES.len());
 }
 
 #[test]
@@ -117,7 +128,7 @@ fn what_is_written_is_read_back() {
     };
     study.spectrum.wavelengths_nm = Some(vec![400.0, 410.5]);
     study.medium.interference = InterferenceChoice::PercusYevick;
-    study.cloth.weave = WeaveChoice::Twill21;
+    study.cloth.weave = "twill-2-1".into();
     study.colour.observer = "cie1964-10deg".into();
     study.trace.roulette_threshold = 1e-5;
     study.trace.estimator = EstimatorChoice::Shared;
@@ -211,8 +222,11 @@ fn choices_are_suggested() {
     let message = refused("[cloth]\n\nweave = \"twil-2-1\"").to_string();
     assert_eq!(
         message,
-        "my.toml, line 3: `cloth.weave`: expected one of \"plain\", \"twill-2-1\", \"twill-3-1\", \"satin-5\", found \
-         \"twil-2-1\"; did you mean \"twill-2-1\"?"
+        format!(
+            "my.toml, line 3: `cloth.weave`: expected one of \"{}\"; or a path with a dot or slash in it, found \
+             \"twil-2-1\"; did you mean \"twill-2-1\"?",
+            Weave::NAMES.join("\", \"")
+        )
     );
     assert!(
         refused("[colour]\nilluminant = 'd65'")

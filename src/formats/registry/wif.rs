@@ -12,7 +12,7 @@ pub(super) const FORMAT: Descriptor = Descriptor {
     detect: |beginning| beginning.first_line(|line| line.starts_with('[')),
     read: Reader::Elsewhere {
         found: "a weave draft (WIF)",
-        remedy: "print it with `specval weave`, or weave it in a study with [weave] draft",
+        remedy: "print it with `specval weave`, or name it as `weave` in `[cloth]` of a study",
     },
     write: None,
 };
