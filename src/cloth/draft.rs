@@ -11,8 +11,8 @@ pub struct Draft {
 }
 
 impl Draft {
-    /// `rows[i][j]` says whether warp `j` lies over weft `i`. Every yarn must pass at least once over and once under the
-    /// other system, otherwise it falls out of the cloth.
+    /// `rows[i][j]` says whether warp `j` lies over weft `i`. Every yarn must pass at least once over and once under
+    /// the other system, otherwise it falls out of the cloth.
     pub fn new(rows: &[Vec<bool>]) -> Result<Self, ClothError> {
         let warps = rows.first().map_or(0, Vec::len);
         if warps == 0 {
@@ -76,7 +76,8 @@ impl Draft {
     }
 }
 
-/// [`Weave`] and its names, from a table of drawdowns over one repeat: a row a weft, first weft first, `X` where the warp is on top.
+/// [`Weave`] and its names, from a table of drawdowns over one repeat: a row a weft, first weft first, `X` where the
+/// warp is on top.
 macro_rules! built_in_weaves {
     ($($(#[$meaning:meta])+ $weave:ident = $name:literal $rows:expr;)+) => {
         /// A weave known by name, or the draft of any other.

@@ -4,7 +4,8 @@ use crate::cloth::{ClothError, ClothSpec, System};
 use crate::number::shown;
 use crate::study::{Study, StudyError};
 
-/// The error with the key that brings about what is wrong, its value, and one that would do. An error of no key stays none.
+/// The error with the key that brings about what is wrong, its value, and one that would do. An error of no key stays
+/// none.
 pub(super) fn at_key(study: &Study, spec: &ClothSpec, error: &ClothError) -> Option<StudyError> {
     let value = |key: &str, expected: String, found: String, remedy: String| {
         Some(StudyError::Value {

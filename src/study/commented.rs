@@ -12,8 +12,8 @@ const STUDY_HEADER: &str = "\
 const PAGE_HEADER: &str = "\
 # Keys of a study
 
-`specval init --keys` writes this page. A study is TOML; every key may be left out for its default. Paths in a study belong
-to the study's folder. A key without a default has an example in its place, marked *e.g.*
+`specval init --keys` writes this page. A study is TOML; every key may be left out for its default. Paths in a study
+belong to the study's folder. A key without a default has an example in its place, marked *e.g.*
 ";
 
 pub(super) fn default_study() -> String {

@@ -113,8 +113,8 @@ impl Field {
         match self.kind {
             Kind::Number(range) => format!("a number, {range}{unit}"),
             Kind::NumberOrTable(range) => format!(
-                "a number, {range}{unit}, or a path in quotes to a CSV of such numbers, columns wavelength_nm,value, or \
-                 CGATS text"
+                "a number, {range}{unit}, or a path in quotes to a CSV of such numbers, columns wavelength_nm,value, \
+                 or CGATS text"
             ),
             Kind::Numbers(range, at_least) => format!("a list of {at_least} or more numbers, each {range}{unit}"),
             Kind::Integer(low, high) => format!("a whole number, {low} to {high}{unit}"),

@@ -201,7 +201,8 @@ pub struct ClothSection {
 /// Gloss about the cloth's normal (Cook-Torrance), for model and classical shading alike.
 pub struct SpecularSection {
     /// What shines: the cloth about its normal (Cook-Torrance); or the surface of each yarn (Fresnel), smooth or of
-    /// fibres that spread the light, which goes on to other yarns; classical shading is about the cloth's normal in any case.
+    /// fibres that spread the light, which goes on to other yarns; classical shading is about the cloth's normal in any
+    /// case.
     surface: SurfaceChoice = SurfaceChoice::Cloth, Choice(SurfaceChoice::NAMES), "";
     /// Root mean square slope of the facets; of fibres the width of the distribution (Trowbridge-Reitz) of slopes along
     /// them.

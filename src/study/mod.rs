@@ -1,7 +1,7 @@
 //! The study file: every parameter of a run, typed, with its unit in its name.
 //!
-//! A study is TOML. Every key has a default (the preprint's yarn), an unknown key is an error, and so is a value out of its
-//! range; the message names the line, what was expected and what was found.
+//! A study is TOML. Every key has a default (the preprint's yarn), an unknown key is an error, and so is a value out of
+//! its range; the message names the line, what was expected and what was found.
 
 #[macro_use]
 mod table;
@@ -32,7 +32,8 @@ pub use keys::{
 pub use origin::Origin;
 
 impl Study {
-    /// Reads and validates a study; what the text leaves out keeps its default. `file_name` is what errors call the text.
+    /// Reads and validates a study; what the text leaves out keeps its default. `file_name` is what errors call the
+    /// text.
     ///
     /// # Errors
     /// The first fault of the text, with its line.
@@ -49,8 +50,8 @@ impl Study {
         validate::study(self).map_err(|error| self.origin.locate(error))
     }
 
-    /// Checks the values of the file at `path`, which a key of `[medium]` or `[weft]` names in place of a number, against the
-    /// range of the key.
+    /// Checks the values of the file at `path`, which a key of `[medium]` or `[weft]` names in place of a number,
+    /// against the range of the key.
     ///
     /// # Errors
     /// The first value out of range with its wavelength, key and file.

@@ -2,8 +2,8 @@ use std::collections::BTreeMap;
 
 use super::{Place, StudyError};
 
-/// The file that a study was read from and the line of each of its keys, for messages. It says nothing of what the study asks for:
-/// studies are equal whatever their origin.
+/// The file that a study was read from and the line of each of its keys, for messages. It says nothing of what the
+/// study asks for: studies are equal whatever their origin.
 #[derive(Clone, Debug, Default)]
 pub struct Origin {
     file: String,
@@ -28,7 +28,8 @@ impl Origin {
         }
     }
 
-    /// Where a key, as `section.key`, has its value: in the file as a whole for one that it leaves out; `None` without a file.
+    /// Where a key, as `section.key`, has its value: in the file as a whole for one that it leaves out; `None` without
+    /// a file.
     pub fn place(&self, key: &str) -> Option<Box<Place>> {
         (!self.file.is_empty()).then(|| {
             Box::new(Place {

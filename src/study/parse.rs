@@ -119,7 +119,8 @@ fn check_section(source: &Source, section: &str, table: &DeTable, faults: &mut V
     }
 }
 
-/// Whether a value has the type of its key. Ranges are the validation's, but for whole numbers that would not fit at all.
+/// Whether a value has the type of its key. Ranges are the validation's, but for whole numbers that would not fit at
+/// all.
 fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<DeValue>) -> Option<Fault> {
     let span = value.span();
     let is_number = |v: &DeValue| v.is_float() || v.is_integer();

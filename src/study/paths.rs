@@ -9,8 +9,9 @@ use crate::spectrum::tables;
 use crate::text::is_path;
 
 impl Study {
-    /// Takes every path in the study as one from `folder`, the folder of the study's file: of each key, those of tables, dye, backing,
-    /// weave, observer, illuminant and sample. Names of built-in weaves, tables and samples stay, absolute paths too.
+    /// Takes every path in the study as one from `folder`, the folder of the study's file: of each key, those of
+    /// tables, dye, backing, weave, observer, illuminant and sample. Names of built-in weaves, tables and samples stay,
+    /// absolute paths too.
     pub fn at_folder(mut self, folder: &Path) -> Self {
         let rebase = |path: &mut String| *path = folder.join(&*path).display().to_string();
         // A word may be a file, or a misspelt name of what is built in.

@@ -41,8 +41,8 @@ impl Renamed {
         RENAMED.iter().filter(move |renamed| renamed.section == section)
     }
 
-    /// Moves the value of the old key in a study's table, if it has one, and says so. A value that the new key has gives way, as
-    /// the old key took its place.
+    /// Moves the value of the old key in a study's table, if it has one, and says so. A value that the new key has
+    /// gives way, as the old key took its place.
     pub fn apply(&self, study: &mut toml::Table) -> Option<String> {
         let section = study.get_mut(self.section)?.as_table_mut()?;
         let old = section.remove(self.field.key);
@@ -58,7 +58,8 @@ impl Renamed {
             ..
         } = self;
         let mut notice = format!(
-            "`{old_section}.{key}` is now `{new_section}.{new_key}`: write {new_key} = {} in [{new_section}] in its place",
+            "`{old_section}.{key}` is now `{new_section}.{new_key}`: write {new_key} = {} in [{new_section}] in its \
+             place",
             toml::Value::from(value.as_str())
         );
         let new = study
