@@ -1,10 +1,12 @@
 use super::Options;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use std::collections::HashSet;
 use std::error::Error;
 use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
+use std::sync::Mutex;
 
 /// Any error of any room: what went wrong, where, what was expected, and the remedy are in its words.
 pub type Failure = Box<dyn Error>;
@@ -27,6 +29,8 @@ pub struct Terminal {
     quiet: bool,
     /// An output of the run goes to stdout, so its summary goes to stderr.
     stdout_is_output: bool,
+    /// Notices that were written: each is written once.
+    told: Mutex<HashSet<String>>,
 }
 
 impl Terminal {
@@ -35,6 +39,7 @@ impl Terminal {
             json: options.json,
             quiet: options.quiet,
             stdout_is_output: false,
+            told: Mutex::default(),
         }
     }
 
@@ -82,9 +87,10 @@ impl Terminal {
         Ok(())
     }
 
-    /// Tells on stderr what the user should know of a run, and nothing of its result.
+    /// Tells on stderr what the user should know of a run, and nothing of its result; the same words once.
     pub fn notice(&self, text: &str) {
-        if !self.quiet {
+        let first = self.told.lock().is_ok_and(|mut told| told.insert(text.to_owned()));
+        if first && !self.quiet {
             // With stderr closed there is no one left to tell.
             let _ = writeln!(io::stderr(), "notice: {text}");
         }

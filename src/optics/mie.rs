@@ -21,6 +21,7 @@ use num_complex::Complex64;
 
 use super::{OpticsError, Property};
 use crate::fault::{self, Fault};
+use crate::number::shown;
 
 /// Smallest accepted size parameter.
 pub const MIN_SIZE_PARAMETER: f64 = 1e-6;
@@ -176,7 +177,7 @@ fn check_size(x: f64) -> Result<(), OpticsError> {
     if (MIN_SIZE_PARAMETER..=MAX_SIZE_PARAMETER).contains(&x) {
         return Ok(());
     }
-    let expected = format!("within {MIN_SIZE_PARAMETER:e}..={MAX_SIZE_PARAMETER:e}");
+    let expected = format!("from {} to {}", shown(MIN_SIZE_PARAMETER), shown(MAX_SIZE_PARAMETER));
     Err(OpticsError::domain(
         Property::ParticleDiameter,
         "size parameter x = π d n_host / λ",

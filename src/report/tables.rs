@@ -26,7 +26,7 @@ pub fn curves_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
         .map(|p| {
             let known = |value: f64| Some(value).filter(|value| value.is_finite());
             let unstated = p.source == Source::Measured && !data.sample.uncertainty_stated && p.se == 0.0;
-            let se = known(p.se).filter(|_| !unstated);
+            let se = known_error(p.beta, p.se).filter(|_| !unstated);
             (p.theta_i_deg, p.theta_v_deg, p.source, p.channel, known(p.beta), se)
         })
         .collect();

@@ -44,7 +44,7 @@ fn estimates_are_within_a_factor_of_the_peak() {
     const MEASURE: [&str; 6] = ["measure", "study.toml", "--paths", "64", "--out", "curves.csv"];
     let bssrdf = ["measure", "study.toml", "--paths", "40000", "--out", "curves.csv"];
     let trace = ["trace", "study.toml", "--paths", "64", "--out", "yarn.trace"];
-    for (text, stage, arguments) in [
+    let studies = [
         ("[rig]\npixels_per_side = 8", Stage::Views, &REPORT),
         (
             "[trace]\nexit_theta_cells = 60\n[rig]\npixels_per_side = 8",
@@ -97,7 +97,9 @@ fn estimates_are_within_a_factor_of_the_peak() {
             &bssrdf,
         ),
         ("", Stage::Yarn, &trace),
-    ] {
+    ];
+    let mut beyond = Vec::new();
+    for (text, stage, arguments) in studies {
         let estimate = memory_bytes(&Study::from_toml(text, "study.toml").unwrap(), stage, THREADS);
         let peak = peak(text, arguments);
         let ratio = estimate / peak;
@@ -106,9 +108,9 @@ fn estimates_are_within_a_factor_of_the_peak() {
             1e-6 * estimate,
             1e-6 * peak
         );
-        assert!(
-            (1.0 / 1.5..1.5).contains(&ratio),
-            "{ratio}: {estimate} estimated, {peak} taken: {text}"
-        );
+        if !(1.0 / 1.5..1.5).contains(&ratio) {
+            beyond.push(text);
+        }
     }
+    assert!(beyond.is_empty(), "{beyond:#?}");
 }

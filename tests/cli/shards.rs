@@ -58,7 +58,7 @@ fn refuse(folder: &Path, arguments: &[&str], words: &[&str]) {
     assert!(contents(folder) == before, "{arguments:?} changed the folder");
 }
 
-/// Names and contents of a folder's files, but for the empty lock that a killed run leaves and any other takes away.
+/// Names and contents of a folder's files, but for the empty lock and the begun file that a killed run leaves and any other takes away.
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files: Vec<_> = fs::read_dir(folder)
         .unwrap()
@@ -70,7 +70,7 @@ fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
             )
         })
         .collect();
-    files.retain(|(name, _): &(String, _)| !name.ends_with(".state.lock"));
+    files.retain(|(name, _): &(String, _)| !name.ends_with(".state.lock") && !name.ends_with(".partial"));
     files.sort();
     files
 }

@@ -256,7 +256,7 @@ fn refusals_say_what_to_do() {
         ..cotton()
     });
     assert!(
-        text.contains("at 390 nm: size parameter") && text.contains("1e-6..=1e5"),
+        text.contains("at 390 nm: size parameter") && text.contains("from 1e-6 to 100000"),
         "{text}"
     );
 }
