@@ -1,8 +1,8 @@
 //! The same distribution as an earlier result?
 
 use super::gate::{Gate, Law, Place, Verdict};
-use super::{CheckEffort, Checked, Quantity};
-use serde::{Deserialize, Serialize};
+use super::{BaselineError, CheckEffort, Checked, Drift, Moved, Quantity};
+use serde::Deserialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::path::{Path, PathBuf};
 
@@ -16,24 +16,6 @@ const LISTED_FROM: f64 = 3.0;
 
 /// Differences of this size are of rounding, 1 being all light.
 const ROUNDING: f64 = 1e-12;
-
-/// Why an earlier result cannot be compared with.
-#[derive(Debug, thiserror::Error)]
-pub enum BaselineError {
-    #[error("{}: the baseline cannot be read; `specval check --json` writes one", path.display())]
-    Read {
-        path: PathBuf,
-        #[source]
-        cause: std::io::Error,
-    },
-    #[error("{}: expected the document of `specval check --json`, found something else: {cause}; name the file that `specval check --json > FILE` wrote", path.display())]
-    NotACheck { path: PathBuf, cause: serde_json::Error },
-    #[error(
-        "{}: expected a baseline with the quantities of this check, found none of {missing}; make a new one with the same \
-         wavelengths and incidences", path.display()
-    )]
-    OtherQuantities { path: PathBuf, missing: String },
-}
 
 #[derive(Debug, Deserialize)]
 struct Document {
@@ -54,27 +36,6 @@ struct DocumentSubject {
 pub struct Baseline {
     path: PathBuf,
     document: Document,
-}
-
-/// How far a check is from its baseline.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Drift {
-    /// All quantities have the very bits; only of meaning where version, seed, study and effort are the same.
-    pub same_bits: bool,
-    /// Whether they are, so that the same bits are due.
-    pub same_run: bool,
-    /// Of 3 standard errors and more, furthest first.
-    pub moved: Vec<Moved>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Moved {
-    pub name: String,
-    pub wavelength_nm: f64,
-    pub value: f64,
-    pub baseline: f64,
-    /// Difference over both standard errors.
-    pub sigmas: f64,
 }
 
 impl Baseline {

@@ -1,7 +1,6 @@
 //! Memory that a run takes, from its study alone: looked at before any work, so that a study too large for the machine is refused by
 //! the key that makes it so. It decides whether a run begins, and about no result.
 
-use super::Simulator;
 use crate::study::{MethodChoice, ShadeWith, Study, StudyError};
 use crate::yarn::LengthBins;
 
@@ -22,6 +21,9 @@ pub enum Stage {
         by_factor: bool,
     },
 }
+
+/// Batches of views that are under way at once at most; each holds a table of f*.
+pub const BATCHES_UNDER_WAY: usize = 4;
 
 /// Bytes that are taken for free where the system does not say.
 const UNKNOWN_FREE: f64 = 4e9;
@@ -226,7 +228,7 @@ pub fn bytes(study: &Study, stage: Stage, threads: usize) -> f64 {
             let rays = threads * pixels * CAMERA_RAY;
             // Table 1 has rows of light between the yarns, of one batch at a time at one geometry.
             let at_normal = direct + camera(1.0) + between(1.0) + rays;
-            let under_way = threads.min(Simulator::ROUND as f64);
+            let under_way = threads.min(BATCHES_UNDER_WAY as f64);
             let kept = n(trace.batches) * views * incidences * wavelengths * 24.0;
             let rows = n(trace.zenith_cells) * n(trace.azimuth_cells) * wavelengths * ENERGY_ROW;
             PROGRAM + at_normal.max(under_way * simulated + rays) + kept + ledgers + rows

@@ -6,7 +6,7 @@ mod shard;
 mod state;
 
 pub use layout::{MediumValues, YarnAxes, YarnLayout, YarnSettings};
-pub use shard::{Shard, ShardError, merge_shards, trace_shard};
+pub use shard::{merge_shards, trace_shard};
 
 use super::{RunError, YarnSums, energy_rows};
 use crate::artefact::{ElementType, Kind, Reader, Writer};

@@ -1,0 +1,24 @@
+use super::{Outcome, Plan, Precision, StopRule};
+use crate::report::{AskedEffort, EffortNote, PathsPerBatch, ReachedPrecision};
+
+/// What a run under this rule did; `watched` is what its largest error is of.
+pub(super) fn effort_note(plan: &Plan, rule: &StopRule, outcome: &Outcome, watched: Precision) -> EffortNote {
+    EffortNote {
+        batches: outcome.batches,
+        paths_per_batch: PathsPerBatch {
+            bssrdf: plan.bssrdf_effort.paths_per_batch,
+            direct: plan.direct_effort.paths_per_batch,
+        },
+        stopped_by: outcome.stopped_by.word().into(),
+        asked: AskedEffort {
+            until: rule.precision.map(|precision| precision.to_string()),
+            max_time_s: rule.max_time.map(|time| time.as_secs_f64()),
+            batches: rule.batches,
+        },
+        reached: outcome.reached.map(|largest_error| ReachedPrecision {
+            tolerance: watched.tolerance.word().into(),
+            of: watched.of.word().into(),
+            largest_error: Some(largest_error).filter(|error| error.is_finite()),
+        }),
+    }
+}
