@@ -61,7 +61,7 @@ const RAYS: usize = 160;
 /// Views of a side and particles of a beam in one round, and the paths of a batch of the ledger that one round goes with.
 const VIEWS_OF_ROUND: usize = 2;
 const PARTICLES: usize = 64;
-const PATHS_OF_ROUND: u64 = 188;
+const PATHS_OF_ROUND: u64 = 250;
 /// Views lower than this see from far away: 4e-4 of the light leaves there.
 const LEAST_COSINE: f64 = 0.02;
 /// In place of a beam or a view, apart from those of the rig.

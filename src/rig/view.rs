@@ -60,7 +60,7 @@ impl Interaction {
 /// meets does not depend on it.
 ///
 /// Rays are evenly spread over the cell in the cloth's plane, so the plain mean of the radiances that `visit` finds,
-/// gaps included, is the radiance of the cloth; no division by cosθ_v is owed.
+/// gaps included, is the radiance of the cloth; do not divide by cosθ_v: the mean already includes it.
 pub fn view_cell(
     cloth: &Cloth,
     omega_out: &Vec3,

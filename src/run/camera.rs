@@ -80,7 +80,7 @@ pub(crate) fn stream_of(geometry: Geometry) -> usize {
 }
 
 /// Weights of one view's geometries in the cloth's mean radiance per irradiance normal to the beam: L = Σ f* E⊥ V over
-/// camera rays, nothing behind a gap. No cosine is owed: f* holds it.
+/// camera rays, nothing behind a gap. Do not multiply by the cosine of the light: f* includes it.
 fn see(
     plan: &Plan,
     stream: usize,

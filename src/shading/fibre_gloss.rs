@@ -69,7 +69,7 @@ impl FibreGloss {
         self.unfolded(&light, &view) + self.unfolded(&light, &Vec3::new(view.x, view.y, -view.z))
     }
 
-    /// Draws ω_out from two even numbers: a facet among those that ω_in sees, by J. Dupuy, A. Benyoub, Comput. Graph. Forum 42
+    /// Draws ω_out from two uniform random numbers: a facet among those that ω_in sees, by J. Dupuy, A. Benyoub, Comput. Graph. Forum 42
     /// (2023) e14867, and its mirror.
     pub fn draw(&self, omega_in: &Vec3, [u, v]: [f64; 2]) -> Vec3 {
         let light = above(self.along_fibres(omega_in));

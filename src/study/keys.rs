@@ -154,7 +154,7 @@ pub struct TraceSection {
     tilts: u32 = 10, CELLS, "";
     /// Trace a quarter of the directions and mirror the rest.
     fold_symmetry: bool = true, Flag, "";
-    /// Radiance factor of the cloth's yarns: from the direct simulation, or from the sum of the BSSRDF.
+    /// Response f* of the cloth's yarns: from the direct simulation, or from the sum of the BSSRDF.
     shade_with: ShadeWith = ShadeWith::Direct, Choice(ShadeWith::NAMES), "";
 }
 
@@ -269,7 +269,7 @@ pub struct SweepSection {
 }
 
 /// What `specval check` must not miss. A stochastic gate that could miss a departure of its tolerance says that it
-/// cannot tell, and how many paths would do; with --quick these tolerances are 2.8 times as wide.
+/// is inconclusive, and how many paths would be enough; with --quick these tolerances are 2.8 times as wide.
 pub struct CheckSection {
     /// Probability that any gate of a run breaks by chance.
     false_alarms: f64 = 1e-3, Number(above(0.0, 0.1)), "";

@@ -87,7 +87,7 @@ impl<'a> Angles<'a> {
         }
     }
 
-    /// Begins to draw from the phase function of each lane's wavelength (a whole number) with an even number. Apart from
+    /// Begins to draw from the phase function of each lane's wavelength (a whole number) with a uniform random number in [0, 1). Apart from
     /// [`Angles::draw`] because what is written lane by lane holds up vectors that read it at once.
     #[inline(always)]
     pub fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], turns: &mut Turns) {

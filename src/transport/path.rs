@@ -1,6 +1,7 @@
 use crate::geometry::Vec3;
 
-/// Even numbers that an entry is made of. The first is stratified over the paths of a batch.
+/// Uniform random numbers in [0, 1) from which an entry point and direction are drawn. The first is stratified over the paths of a
+/// batch.
 pub const ENTRY_COORDINATES: usize = 4;
 
 /// Where and whence light meets the body.

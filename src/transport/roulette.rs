@@ -32,8 +32,8 @@ impl Roulette {
         Ok(Self { threshold, survival })
     }
 
-    /// What a path is worth after its turn: 0, 1 or 1/`survival`. `largest` of its weights, of those it `entered` with, and
-    /// an even number.
+    /// Factor of a path's weights after Russian roulette: 0, 1 or 1/`survival`, so that the estimate stays unbiased. `largest` is
+    /// the largest of its weights, `entered` of those it came in with, and `u` a uniform random number in [0, 1).
     #[inline(always)]
     pub(super) fn worth(&self, largest: f64, entered: f64, reflections: u64, u: f64) -> f64 {
         let plays = (largest < self.threshold * entered) | (reflections >= REFLECTIONS_IN_A_ROW);

@@ -184,7 +184,7 @@ impl Sight {
         }
     }
 
-    /// One end of a place for all of those with no yarn between, or for all others, by an even number from 0 to below 1; none where
+    /// One end of a place for all of those with no yarn between, or for all others, by a uniform random number in [0, 1); none where
     /// there is none.
     pub(super) fn at(&self, place: usize, past_yarns: bool, even: f64) -> Option<Seen<'_>> {
         let group = 2 * place + usize::from(past_yarns);

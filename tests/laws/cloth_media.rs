@@ -114,7 +114,7 @@ fn both_methods_agree_on_white_and_red_yarns() {
 }
 
 #[test]
-fn a_weft_that_says_what_the_warp_is_is_the_warps() {
+fn weft_equal_to_warp_shares_its_yarn() {
     let mut study = Study::from_toml(RED, "a study").unwrap();
     study.weft = WeftSection {
         kappa_peak: Some(study.medium.kappa_peak),
