@@ -37,11 +37,33 @@ impl Source<'_> {
     }
 
     fn syntax(&self, error: &toml::de::Error) -> StudyError {
+        let at = error.span().map_or(0, |s| s.start);
+        let line = self
+            .text
+            .get(..at)
+            .map_or(0, |before| before.rfind('\n').map_or(0, |end| end + 1));
+        let line = self
+            .text
+            .get(line..)
+            .and_then(|rest| rest.lines().next())
+            .unwrap_or_default();
         StudyError::Syntax {
-            place: self.place(error.span().map_or(0, |s| s.start)),
-            message: error.message().trim().replace('\n', ", "),
+            place: self.place(at),
+            message: match decimal_comma(line) {
+                Some([found, point]) => format!("expected a number with a decimal point, found {found}; write {point}"),
+                None => error.message().trim().replace('\n', ", "),
+            },
         }
     }
+}
+
+/// A number with a decimal comma that is the value of a line, and the same with a point.
+fn decimal_comma(line: &str) -> Option<[String; 2]> {
+    let value = line.split_once('=')?.1.split('#').next()?.trim();
+    let (whole, fraction) = value.split_once(',')?;
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    (digits(whole.trim_start_matches(['-', '+'])) && digits(fraction))
+        .then(|| [value.to_owned(), format!("{whole}.{fraction}")])
 }
 
 pub(super) fn study(text: &str, file: &str) -> Result<Study, StudyError> {

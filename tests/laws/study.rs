@@ -441,3 +441,22 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_decimal_comma_is_named_with_the_point_it_should_be() {
+    for (text, found, point) in [
+        ("[yarn]\nradius_mm = 0,15\n", "0,15", "write 0.15"),
+        ("[yarn]\nradius_mm = 0,15 # mm\n", "0,15", "write 0.15"),
+        ("[cloth]\nazimuth_deg=-12,5", "-12,5", "write -12.5"),
+    ] {
+        let message = Study::from_toml(text, "my.toml").unwrap_err().to_string();
+        assert!(
+            message.starts_with("my.toml, line 2") && message.contains(found) && message.contains(point),
+            "{message}"
+        );
+    }
+    let other = Study::from_toml("[yarn]\nradius_mm = 0.15 0\n", "my.toml")
+        .unwrap_err()
+        .to_string();
+    assert!(!other.contains("decimal"), "{other}");
+}
