@@ -56,10 +56,16 @@ pub fn gate(context: &Context) -> Result<Gate, CheckError> {
         ([&darker, &own], [&of_darker, &of_own]),
     ] {
         let change = Reabsorption::new(bins.clone(), &from.medium, &to.medium)?;
-        let found = scattered(&axes, &changed(traced, &change)?, nm.len());
-        let expected = scattered(&axes, &means(&wanted.0), nm.len());
-        departures.extend(zip(found, expected).map(|(found, expected)| match expected > LEAST {
-            true => found / expected - 1.0,
+        let (mean, stated) = changed(traced, &change)?;
+        let [found, stated, expected] =
+            [mean, stated, means(&wanted.0)].map(|table| scattered(&axes, &table, nm.len()));
+        let values = zip(zip(found, stated), expected);
+        departures.extend(values.map(|((found, stated), expected)| match expected > LEAST {
+            // What is beyond the systematic error that re-absorption states of its bins.
+            true => {
+                let departure = found / expected - 1.0;
+                departure - departure.clamp(-stated / expected, stated / expected)
+            }
             false => 0.0,
         }));
     }
@@ -108,8 +114,11 @@ fn means(sums: &BatchSums) -> Vec<f64> {
     (0..sums.sum.len()).map(|i| sums.estimate(i).value).collect()
 }
 
-/// f* with another absorption.
-fn changed((table, lengths): &(BatchSums, LengthSums), change: &Reabsorption) -> Result<Vec<f64>, CheckError> {
+/// f* with another absorption, and the systematic error that is stated of it, 1/sr.
+fn changed(
+    (table, lengths): &(BatchSums, LengthSums),
+    change: &Reabsorption,
+) -> Result<(Vec<f64>, Vec<f64>), CheckError> {
     let mut mean = means(table);
     let mut se: Vec<f32> = (0..mean.len()).map(|i| table.estimate(i).se as f32).collect();
     let mut systematic = vec![0.0; mean.len()];
@@ -125,7 +134,7 @@ fn changed((table, lengths): &(BatchSums, LengthSums), change: &Reabsorption) ->
         moment_mm: &mut moment,
     };
     change.table(&mut mean, &mut se, by_length, &mut systematic)?;
-    Ok(mean)
+    Ok((mean, systematic.into_iter().map(f64::from).collect()))
 }
 
 /// Scattered light of all cells, of the incident flux, at each wavelength.
