@@ -6,7 +6,7 @@ use super::{CheckError, Context};
 use crate::transport::{BatchSums, Roulette};
 use crate::yarn::{
     ByLength, DirectBatch, DirectTracer, Effort, Estimator, LengthBins, LengthSums, Reabsorption, SurfaceGrid, Yarn,
-    YarnResponseGrid,
+    YarnResponse, YarnResponseGrid,
 };
 use std::iter::zip;
 
@@ -57,8 +57,8 @@ pub fn gate(context: &Context) -> Result<Gate, CheckError> {
     ] {
         let change = Reabsorption::new(bins.clone(), &from.medium, &to.medium)?;
         let (mean, stated) = changed(traced, &change)?;
-        let [found, stated, expected] =
-            [mean, stated, means(&wanted.0)].map(|table| scattered(&axes, &table, nm.len()));
+        let [found, stated, expected] = [mean, stated, means(&wanted.0)].map(|table| scattered(axes, table, nm.len()));
+        let (found, stated, expected) = (found?, stated?, expected?);
         let values = zip(zip(found, stated), expected);
         departures.extend(values.map(|((found, stated), expected)| match expected > LEAST {
             // What is beyond the systematic error that re-absorption states of its bins.
@@ -138,12 +138,7 @@ fn changed(
 }
 
 /// Scattered light of all cells, of the incident flux, at each wavelength.
-fn scattered(axes: &YarnResponseGrid, table: &[f64], wavelengths: usize) -> Vec<f64> {
-    let exits = axes.surface().exit().cells();
-    let mut sums = vec![0.0; wavelengths];
-    for (cell, row) in table.chunks_exact(wavelengths).enumerate() {
-        let share = 1.0 / axes.response_per_fraction(0, cell % exits);
-        zip(&mut sums, row).for_each(|(sum, f)| *sum += share * f);
-    }
-    sums
+fn scattered(axes: YarnResponseGrid, table: Vec<f64>, wavelengths: usize) -> Result<Vec<f64>, CheckError> {
+    let transfer = vec![0.0; axes.transfer_cells() * wavelengths];
+    Ok(YarnResponse::new(axes, wavelengths, table, transfer)?.albedo(0))
 }
