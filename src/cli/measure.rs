@@ -1,11 +1,11 @@
 use super::{Failure, Options, Replace, Scratch, Stopping, claim, in_words, inputs_of, study};
 use serde::Serialize;
+use specval::cloth::light::ClothLedger;
 use specval::output::{self, Place, beside, write_all};
 use specval::report::effort_line;
 use specval::run::{GrazingGain, Plan, RunError, Simulator, Stage, StateFile, Watch, grazing_gains, grazing_notice};
 use specval::study::MethodChoice;
 use specval::transport::Estimate;
-use specval::woven::ClothLedger;
 use std::path::PathBuf;
 
 /// Measures the woven model with the virtual rig: spectral brightness factors, gloss included, not normalised.
