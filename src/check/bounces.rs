@@ -11,7 +11,7 @@ use crate::rig::omega_in;
 use crate::run::RunError;
 use crate::spectrum::WavelengthGrid;
 use crate::transport::{Purpose, Stream};
-use crate::woven::{Beam, Bounces, Detector, Onlookers, Places, Sight, ViewCones, YarnSurface};
+use crate::woven::{Beam, Bounces, ClothFraction, Detector, Onlookers, Places, Sight, ViewCones, YarnSurface};
 use crate::yarn::{DirectTracer, Effort, SurfaceGrid, Yarn, YarnResponseGrid, YarnSampler, scattered_or_absorbed};
 use rand::RngExt;
 use rayon::prelude::*;
@@ -249,12 +249,18 @@ fn views(seed: u64, batch: usize, round: usize) -> ViewCones {
 fn of_beam(light: &Bounces, onlookers: &Onlookers, beam: &Beam, batch: usize, particles: usize) -> [Vec<f64>; 2] {
     let (beta, ledger) = light.between(beam, onlookers, batch, particles);
     let straight = light.straight(beam, &Sides, batch, particles);
-    let games = ledger.iter().map(|ledger| ledger.games).collect();
+    let games = ledger.iter().map(|ledger| ledger[ClothFraction::SamplingNet]).collect();
     let mut seen = Vec::with_capacity(SIDES.len() * ABSORBING.len());
     for (side, (beta, straight)) in beta.chunks_exact(VIEWS_OF_ROUND).zip(straight).enumerate() {
         for (w, straight) in straight.into_iter().enumerate() {
             let shown = beta.iter().map(|beta| beta[w]).sum::<f64>() / VIEWS_OF_ROUND as f64;
-            seen.push(shown + straight - [ledger[w].reflected, ledger[w].through_yarns][side]);
+            seen.push(
+                shown + straight
+                    - [
+                        ledger[w][ClothFraction::Reflected],
+                        ledger[w][ClothFraction::ThroughYarns],
+                    ][side],
+            );
         }
     }
     let both: Vec<f64> = (0..ABSORBING.len())

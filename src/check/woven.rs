@@ -6,7 +6,7 @@ use crate::cloth::Tubes;
 use crate::geometry::Vec3;
 use crate::rig::omega_in;
 use crate::run::{LitBatch, LitViews, RunError, VolumetricCloth};
-use crate::woven::{Beam, ClothLedger, ViewCones, Volumetric};
+use crate::woven::{Beam, ClothFraction, ClothLedger, ViewCones, Volumetric};
 use crate::yarn::{Estimator, Yarn};
 use rayon::prelude::*;
 
@@ -51,7 +51,7 @@ pub fn aperture(context: &Context) -> Result<Gate, CheckError> {
             let caught = beta.iter().flatten();
             caught
                 .zip(ledger)
-                .map(|(beta, ledger)| beta - ledger.reflected)
+                .map(|(beta, ledger)| beta - ledger[ClothFraction::Reflected])
                 .collect::<Vec<_>>()
         })
         .collect();
@@ -72,8 +72,8 @@ pub fn ledger(context: &Context) -> Result<Gate, CheckError> {
 pub fn furnace(context: &Context, white: &Yarn) -> Result<Gate, CheckError> {
     closes(context, FURNACE, [white, white], |ledger| {
         let residual = ledger.residual();
-        if ledger.absorbed.abs() > residual.abs() {
-            ledger.absorbed
+        if ledger[ClothFraction::Absorbed].abs() > residual.abs() {
+            ledger[ClothFraction::Absorbed]
         } else {
             residual
         }

@@ -1,9 +1,9 @@
-use super::air::{Air, Arrival, Caught, Kept, Landing, Past, Survival};
+use super::air::{Air, Arrival, Caught, Landing, Past, Survival};
 use super::passage::Skin;
 use super::scattering::{Bounces, Parts};
 use super::sights::{Places, Seen, Sight};
 use super::straight::Straight;
-use super::{Beam, ClothBatch, ClothLedger, Detector, ViewCones, YarnSurface};
+use super::{Beam, ClothBatch, ClothFraction, ClothLedger, Detector, ViewCones, YarnSurface};
 use crate::cloth::System;
 use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
@@ -139,7 +139,7 @@ impl Bounces<'_> {
                 let waiting = air.take(system);
                 for (arrival, weights) in waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths)) {
                     if arrival.past.yarns > self.most {
-                        air.keep(Kept::BouncesCut, weights.iter().copied().map(f64::from));
+                        air.keep(ClothFraction::BouncesCut, weights.iter().copied().map(f64::from));
                         continue;
                     }
                     let entry = parts.enter(skin, arrival, weights);

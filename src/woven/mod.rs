@@ -17,7 +17,7 @@ mod volumetric;
 
 pub use bounces::Onlookers;
 pub use detector::{Detector, HemisphereNodes, ViewCones};
-pub use ledger::ClothLedger;
+pub use ledger::{ClothFraction, ClothLedger};
 pub use scattering::Bounces;
 pub use sights::{Places, Sight};
 pub use surface::YarnSurface;

@@ -1,9 +1,9 @@
-use super::air::{Air, Caught, Kept, Past, Queue, Survival};
-use super::{Beam, ClothBatch, Detector, YarnSurface};
+use super::air::{Air, Caught, Past, Queue, Survival};
+use super::{Beam, ClothBatch, ClothFraction, Detector, YarnSurface};
 use crate::cloth::{System, Tubes};
 use crate::geometry::Vec3;
 use crate::optics::fresnel;
-use crate::transport::{Entry, Interior, Ledger, Purpose, Roulette, Shape, Stream, Walk};
+use crate::transport::{Entry, Fraction, Interior, Ledger, Purpose, Roulette, Shape, Stream, Walk};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::cell::RefCell;
 
@@ -137,10 +137,16 @@ impl Volumetric<'_> {
         );
         let ledgers = traced.ledgers.iter();
         let mut air = air.borrow_mut();
-        air.keep(Kept::Absorbed, ledgers.clone().map(|ledger| ledger.absorbed));
-        air.keep(Kept::Games, ledgers.clone().map(Ledger::games));
+        air.keep(
+            ClothFraction::Absorbed,
+            ledgers.clone().map(|ledger| ledger[Fraction::Absorbed]),
+        );
+        air.keep(ClothFraction::SamplingNet, ledgers.clone().map(Ledger::sampling_net));
         if !goes_on {
-            air.keep(Kept::ReflectionDropped, ledgers.map(|ledger| ledger.reflected));
+            air.keep(
+                ClothFraction::ReflectionDropped,
+                ledgers.map(|ledger| ledger[Fraction::Reflected]),
+            );
         }
     }
 }

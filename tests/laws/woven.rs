@@ -10,9 +10,12 @@ use specval::rig::{omega_in, omega_out};
 use specval::run::{CameraBatch, Plan};
 use specval::spectrum::{Samples, Spectrum, WavelengthGrid};
 use specval::study::Study;
-use specval::transport::{Coefficients, Cylinder, Entry, Estimate, Interior, Ledger, Purpose, Roulette, Stream, Walk};
+use specval::transport::{
+    Coefficients, Cylinder, Entry, Estimate, Fraction, Interior, Ledger, Purpose, Roulette, Stream, Walk,
+};
 use specval::woven::{
-    Beam, Bounces, ClothBatch, ClothLedger, Detector, Onlookers, Places, Sight, ViewCones, Volumetric, YarnSurface,
+    Beam, Bounces, ClothBatch, ClothFraction, ClothLedger, Detector, Onlookers, Places, Sight, ViewCones, Volumetric,
+    YarnSurface,
 };
 use specval::yarn::{DirectTracer, Effort, Estimator, SurfaceGrid, Yarn, YarnResponseGrid};
 
@@ -130,7 +133,7 @@ fn a_white_cloth_on_white_sends_all_light_back() {
     };
     let (white, black) = (on([1.0, 1.0]), on([0.0, 0.0]));
     for w in 0..2 {
-        let back = estimate(&white, w, |l| l.reflected);
+        let back = estimate(&white, w, |l| l[ClothFraction::Reflected]);
         assert!((back.value - 1.0).abs() <= LIMIT * back.se, "{back:?}");
         for batch in white.iter().chain(&black) {
             let ledger = batch.ledger[w];
@@ -139,8 +142,8 @@ fn a_white_cloth_on_white_sends_all_light_back() {
                 "{ledger:?}"
             );
         }
-        assert!(white.iter().all(|b| b.ledger[w].absorbed == 0.0));
-        let absorbed = estimate(&black, w, |l| l.absorbed);
+        assert!(white.iter().all(|b| b.ledger[w][ClothFraction::Absorbed] == 0.0));
+        let absorbed = estimate(&black, w, |l| l[ClothFraction::Absorbed]);
         assert!(absorbed.value > 0.3 && absorbed.value < 1.0 - 10.0 * absorbed.se);
     }
 }
@@ -200,10 +203,10 @@ fn a_white_cloth_loses_no_light() {
                 for batch in batches {
                     assert!(batch.ledger[w].residual().abs() < 1e-9, "{:?}", batch.ledger[w]);
                 }
-                let out = estimate(batches, w, |l| l.reflected + l.transmitted());
+                let out = estimate(batches, w, |l| l[ClothFraction::Reflected] + l.transmitted());
                 println!("{theta_deg} deg: {:.5} ± {:.5} leaves", out.value, out.se);
                 assert!((out.value - 1.0).abs() <= LIMIT * out.se + table, "{out:?}");
-                let absorbed = estimate(batches, w, |l| l.absorbed);
+                let absorbed = estimate(batches, w, |l| l[ClothFraction::Absorbed]);
                 assert!(absorbed.value.abs() <= LIMIT * absorbed.se + table, "{absorbed:?}");
             }
         }
@@ -221,7 +224,7 @@ fn a_white_cloth_loses_less_than_a_thousandth() {
         let traced = volumetric(&tubes, &yarn.medium, YarnSurface::Smooth, theta_deg, &Nothing, 420_000);
         let scattered = bounces(&tubes, &yarn, YarnSurface::Smooth, theta_deg, 10_000_000, 420_000);
         for batches in [&traced, &scattered] {
-            let out = estimate(batches, 0, |l| l.reflected + l.transmitted());
+            let out = estimate(batches, 0, |l| l[ClothFraction::Reflected] + l.transmitted());
             println!("{theta_deg} deg: {:.5} ± {:.5} leaves", out.value, out.se);
             assert!(3.0 * out.se < 1e-3 && (out.value - 1.0).abs() < 1e-3, "{out:?}");
         }
@@ -275,8 +278,10 @@ fn yarns_far_apart_are_single() {
     let covered = 2.0 * radius_mm / spacing_mm;
     let twice = covered / (2.0 - covered);
     for w in 0..2 {
-        let alone = Estimate::from_batches(single.iter().map(|l| l[w].absorbed));
-        let woven = estimate(&cloth, w, |l| l.absorbed / (1.0 - l.through_gaps));
+        let alone = Estimate::from_batches(single.iter().map(|l| l[w][Fraction::Absorbed]));
+        let woven = estimate(&cloth, w, |l| {
+            l[ClothFraction::Absorbed] / (1.0 - l[ClothFraction::ThroughGaps])
+        });
         println!(
             "absorbed {:.4} ± {:.4}, woven {:.4} ± {:.4}",
             alone.value, alone.se, woven.value, woven.se
@@ -316,7 +321,11 @@ fn compare_open_weave(particles: usize) {
         let views = there.iter().map(|row| omega_out(row.view_deg, 0.0)).collect();
         let cones = ViewCones::new(views, 5f64.to_radians());
         let batches = volumetric(&tubes, &medium, YarnSurface::Smooth, theta_deg, &cones, particles);
-        let of: [fn(&ClothLedger) -> f64; 3] = [|l| l.reflected, ClothLedger::transmitted, |l| l.absorbed];
+        let of: [fn(&ClothLedger) -> f64; 3] = [
+            |l| l[ClothFraction::Reflected],
+            ClothLedger::transmitted,
+            |l| l[ClothFraction::Absorbed],
+        ];
         for ((name, of), (value, se)) in ["R", "T", "A"].into_iter().zip(of).zip(totals) {
             let here = estimate(&batches, 0, of);
             let z = z(here, Estimate { value, se });
@@ -370,7 +379,7 @@ fn both_methods_agree_where_light_stays_near_its_entry() {
         let traced = volumetric(&tubes, &yarn.medium, surface, 0.0, &Nothing, particles);
         let scattered = bounces(&tubes, yarn, surface, 0.0, 1_000_000, particles);
         for w in 0..yarn.medium.grid().len() {
-            let [a, b] = [&traced, &scattered].map(|batches| estimate(batches, w, |l| l.reflected));
+            let [a, b] = [&traced, &scattered].map(|batches| estimate(batches, w, |l| l[ClothFraction::Reflected]));
             println!(
                 "R {:.5} ± {:.5} traced, {:.5} ± {:.5} by f*",
                 a.value, a.se, b.value, b.se
