@@ -4,7 +4,9 @@ use super::cylinder::beam;
 use super::gate::{Gate, Law, Place};
 use super::medium::few_wavelengths;
 use super::{CheckError, Context};
-use crate::cloth::light::{Beam, Connected, Detector, Scene, Segments, ViewCones, ViewPaths, YarnSurface, YarnToYarn};
+use crate::cloth::light::{
+    Beam, ClothFraction, Connected, Detector, Scene, Segments, ViewCones, ViewPaths, YarnSurface, YarnToYarn,
+};
 use crate::geometry::Vec3;
 use crate::optics::Medium;
 use crate::rig::omega_in;
@@ -247,12 +249,18 @@ fn views(seed: u64, batch: usize, round: usize) -> ViewCones {
 fn of_beam(light: &YarnToYarn, connected: &Connected, beam: &Beam, batch: usize, particles: usize) -> [Vec<f64>; 2] {
     let (beta, ledger) = light.between(beam, connected, batch, particles);
     let straight = light.straight(beam, &Sides, batch, particles);
-    let games = ledger.iter().map(|ledger| ledger.games).collect();
+    let games = ledger.iter().map(|ledger| ledger[ClothFraction::SamplingNet]).collect();
     let mut seen = Vec::with_capacity(SIDES.len() * ABSORBING.len());
     for (side, (beta, straight)) in beta.chunks_exact(VIEWS_OF_ROUND).zip(straight).enumerate() {
         for (w, straight) in straight.into_iter().enumerate() {
             let shown = beta.iter().map(|beta| beta[w]).sum::<f64>() / VIEWS_OF_ROUND as f64;
-            seen.push(shown + straight - [ledger[w].reflected, ledger[w].through_yarns][side]);
+            seen.push(
+                shown + straight
+                    - [
+                        ledger[w][ClothFraction::Reflected],
+                        ledger[w][ClothFraction::ThroughYarns],
+                    ][side],
+            );
         }
     }
     let both: Vec<f64> = (0..ABSORBING.len())

@@ -4,7 +4,7 @@ use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context, Quantity};
 use crate::rig::{omega_in, view_cell};
 use crate::run::{Plan, hemisphere};
-use crate::transport::{Purpose, Stream};
+use crate::transport::{Fraction, Purpose, Stream};
 use crate::yarn::{DirectBatch, ResponseWeights};
 use rayon::prelude::*;
 
@@ -148,7 +148,7 @@ fn absorbed_of(
     let mut absorbed = vec![0.0; wavelengths];
     for (rays, ledgers) in rays.iter().zip(yarn.ledgers.chunks_exact(wavelengths)) {
         for (sum, ledger) in absorbed.iter_mut().zip(ledgers) {
-            *sum += share * rays * ledger.absorbed;
+            *sum += share * rays * ledger[Fraction::Absorbed];
         }
     }
     absorbed

@@ -3,7 +3,7 @@
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
 use crate::optics::{HenyeyGreenstein, Medium, Phase, gauss_legendre};
-use crate::transport::Ledger;
+use crate::transport::Fraction;
 use crate::yarn::{Effort, FarFieldGrid, FarFieldTracer, Yarn};
 use std::f64::consts::FRAC_PI_2;
 use std::iter::zip;
@@ -49,17 +49,14 @@ pub fn closed_forms(context: &Context) -> Result<Gate, CheckError> {
         }
         for (batch, differences) in batches.iter_mut().enumerate() {
             let traced = tracer.batch(batch).ledgers;
-            for (
-                Ledger {
-                    reflected,
-                    ballistic,
-                    absorbed,
-                    ..
-                },
-                form,
-            ) in traced.iter().zip(&expected)
-            {
-                differences.extend([reflected - form[0], ballistic - form[1], absorbed - form[2]]);
+            for (ledger, form) in traced.iter().zip(&expected) {
+                let fractions = [Fraction::Reflected, Fraction::Ballistic, Fraction::Absorbed];
+                differences.extend(
+                    fractions
+                        .into_iter()
+                        .zip(form)
+                        .map(|(fraction, form)| ledger[fraction] - form),
+                );
             }
         }
     }

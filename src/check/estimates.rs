@@ -5,7 +5,7 @@ use super::{CheckError, Context};
 use crate::compare::{Comparison, Geometry, Inputs, Propagation};
 use crate::run::{RunError, SpectralCurves};
 use crate::sample::Reading;
-use crate::transport::{BatchSums, Estimate, Ledger, LedgerEntry};
+use crate::transport::{BatchSums, Estimate, Ledger};
 use crate::yarn::{LengthSums, LengthTally};
 
 const ERRORS: Law = Law {
@@ -38,12 +38,9 @@ pub fn standard_errors(context: &Context) -> Result<Gate, CheckError> {
         })
     });
     ways.push(("batches by path length", pair(lengths.estimate(0))));
-    let ledgers: Vec<Ledger> = numbers
-        .clone()
-        .map(|x| Ledger::from_fractions([x; Ledger::FRACTIONS]))
-        .collect();
-    let ledger = LedgerEntry::from_batches(&ledgers);
-    for (mean, se) in ledger.mean.fractions().into_iter().zip(ledger.se) {
+    let ledgers: Vec<Ledger> = numbers.clone().map(|x| Ledger::new(|_| x)).collect();
+    let [mean, se] = Ledger::mean_and_se(&ledgers);
+    for (mean, se) in mean.amounts().into_iter().zip(se.amounts()) {
         ways.push(("ledger", [mean, se]));
     }
     let channels: Vec<Vec<[f64; 4]>> = numbers.clone().map(|x| vec![[x; 4]]).collect();

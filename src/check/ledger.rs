@@ -3,7 +3,7 @@
 use super::gate::{Gate, Law, Place, estimates};
 use super::{CheckError, Context, Quantity};
 use crate::study::NumberOrTable;
-use crate::transport::{Ledger, Roulette};
+use crate::transport::{Fraction, FractionList, Ledger, Roulette};
 use crate::yarn::{Effort, EnergyTracer, Estimator, Yarn};
 use std::iter::zip;
 
@@ -35,10 +35,15 @@ const PLAYED_SURVIVAL: f64 = 0.8;
 /// Batches and paths of ledgers that close to rounding, whatever their number.
 const CLOSING: (usize, u64) = (2, 128);
 
-/// A fraction of the ledger by its name.
-type Fraction = (&'static str, fn(&Ledger) -> f64);
+/// Fractions whose means a baseline is compared in; the nets, which are 0 in the mean, have gates of their own.
+const COMPARED: [Fraction; 4] = [
+    Fraction::Reflected,
+    Fraction::Ballistic,
+    Fraction::Scattered,
+    Fraction::Absorbed,
+];
 
-/// The gates, and the mean fractions as quantities that a baseline can be compared in.
+/// The gates, and mean fractions as quantities that a baseline is compared in.
 pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError> {
     let plan = context.plan;
     let check = &plan.study.check;
@@ -59,8 +64,8 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
     };
     let lost = departures(traced(context, &furnace, closing)?, |ledger| {
         let residual = ledger.residual();
-        if ledger.absorbed.abs() > residual.abs() {
-            ledger.absorbed
+        if ledger[Fraction::Absorbed].abs() > residual.abs() {
+            ledger[Fraction::Absorbed]
         } else {
             residual
         }
@@ -71,7 +76,7 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
     let effort = Effort::new(plan.study.seed, context.batches, paths)?;
     let batches = traced(context, &plan.yarn, effort)?;
     let wavelengths = plan.grid.len();
-    let means = |of: fn(&Ledger) -> f64| means_over_directions(context, &batches, of);
+    let means = |of: &dyn Fn(&Ledger) -> f64| means_over_directions(context, &batches, of);
     if plan.yarn.estimator_in_use() == Estimator::Shared {
         let of_cells = |of: fn(&Ledger) -> f64| -> Vec<Vec<f64>> {
             batches.iter().map(|batch| batch.iter().map(of).collect()).collect()
@@ -80,7 +85,7 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
         let means: Vec<f64> = estimates(&residuals).iter().map(|[mean, _]| *mean).collect();
         gates.push(judge.exact(SHARED, &means, check.rounding, |i| place(context, i)));
         let tolerance = check.sharing * context.widening;
-        let taken = of_cells(|ledger| ledger.sharing);
+        let taken = of_cells(|ledger| ledger[Fraction::MisNet]);
         gates.push(judge.zero(SHARING, &taken, tolerance, |i| place(context, i)));
     }
     let played = Yarn {
@@ -90,9 +95,9 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
     };
     let half = Effort::new(plan.study.seed, context.batches, paths / 2)?;
     let played = traced(context, &played, half)?;
-    let net = |ledger: &Ledger| ledger.roulette;
-    let mut nets = means(net);
-    for (own, played) in zip(&mut nets, means_over_directions(context, &played, net)) {
+    let net = |ledger: &Ledger| ledger[Fraction::RouletteNet];
+    let mut nets = means(&net);
+    for (own, played) in zip(&mut nets, means_over_directions(context, &played, &net)) {
         own.extend(played);
     }
     let tolerance = check.roulette * context.widening;
@@ -105,14 +110,8 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
         Place::new(plan.grid.nm()[i % wavelengths], format!("{yarn}, mean over directions"))
     }));
     let mut quantities = Vec::new();
-    let fractions: [Fraction; 4] = [
-        ("reflected", |ledger| ledger.reflected),
-        ("ballistic", |ledger| ledger.ballistic),
-        ("scattered", |ledger| ledger.scattered),
-        ("absorbed", |ledger| ledger.absorbed),
-    ];
-    for (name, of) in fractions {
-        quantities.extend(context.quantities(name, &means(of)));
+    for fraction in COMPARED {
+        quantities.extend(context.quantities(fraction.name(), &means(&|ledger| ledger[fraction])));
     }
     Ok((gates, quantities))
 }
@@ -126,7 +125,7 @@ pub fn white_yarn(context: &Context) -> Result<Yarn, CheckError> {
 }
 
 /// Mean over all directions, mirrored ones alike: [batch][wavelength].
-fn means_over_directions(context: &Context, batches: &[Vec<Ledger>], of: fn(&Ledger) -> f64) -> Vec<Vec<f64>> {
+fn means_over_directions(context: &Context, batches: &[Vec<Ledger>], of: &dyn Fn(&Ledger) -> f64) -> Vec<Vec<f64>> {
     let wavelengths = context.plan.grid.len();
     let share = 1.0 / context.plan.incident.traced() as f64;
     let of_batch = |batch: &Vec<Ledger>| -> Vec<f64> {

@@ -2,7 +2,7 @@
 
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
-use crate::transport::Ledger;
+use crate::transport::{Fraction, Ledger};
 use crate::yarn::{BssrdfGrid, DirectBatch, DirectTracer, Effort, PatchTracer, SurfaceGrid, YarnResponseGrid};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::iter::zip;
@@ -76,7 +76,7 @@ fn passage_departures(grid: &YarnResponseGrid, batch: &DirectBatch, wavelengths:
                 zip(&mut sums, row).for_each(|(sum, x)| *sum += x);
             }
             zip(sums, ledgers)
-                .map(|(sum, ledger)| sum - ledger.scattered)
+                .map(|(sum, ledger)| sum - ledger[Fraction::Scattered])
                 .collect::<Vec<_>>()
         })
         .collect()
@@ -106,7 +106,7 @@ fn integral_departures(grid: &YarnResponseGrid, batch: &DirectBatch, wavelengths
             }
         }
         let scattered = &batch.ledgers[tilt * wavelengths..][..wavelengths];
-        departures.extend(zip(sums, scattered).map(|(sum, ledger)| sum - ledger.scattered));
+        departures.extend(zip(sums, scattered).map(|(sum, ledger)| sum - ledger[Fraction::Scattered]));
     }
     departures
 }
@@ -133,7 +133,7 @@ pub fn bssrdf(context: &Context) -> Result<Gate, CheckError> {
                 zip(&mut sums, row).for_each(|(sum, fraction)| *sum += fraction);
             }
             let ledgers: &[Ledger] = &batch.ledgers[direction * wavelengths..][..wavelengths];
-            departures.extend(zip(sums, ledgers).map(|(sum, ledger)| sum - ledger.scattered));
+            departures.extend(zip(sums, ledgers).map(|(sum, ledger)| sum - ledger[Fraction::Scattered]));
         }
     }
     Ok(judge.exact(BSSRDF, &departures, plan.study.check.rounding, |i| {

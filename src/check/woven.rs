@@ -2,7 +2,9 @@
 
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
-use crate::cloth::light::{Beam, ClothLedger, Integrator, LitBatch, LitViews, Scene, ViewCones, Volumetric};
+use crate::cloth::light::{
+    Beam, ClothFraction, ClothLedger, Integrator, LitBatch, LitViews, Scene, ViewCones, Volumetric,
+};
 use crate::geometry::Vec3;
 use crate::rig::omega_in;
 use crate::yarn::Yarn;
@@ -49,7 +51,7 @@ pub fn aperture(context: &Context) -> Result<Gate, CheckError> {
             let caught = beta.iter().flatten();
             caught
                 .zip(ledger)
-                .map(|(beta, ledger)| beta - ledger.reflected)
+                .map(|(beta, ledger)| beta - ledger[ClothFraction::Reflected])
                 .collect::<Vec<_>>()
         })
         .collect();
@@ -70,8 +72,8 @@ pub fn ledger(context: &Context) -> Result<Gate, CheckError> {
 pub fn furnace(context: &Context, white: &Yarn) -> Result<Gate, CheckError> {
     closes(context, FURNACE, [white, white], |ledger| {
         let residual = ledger.residual();
-        if ledger.absorbed.abs() > residual.abs() {
-            ledger.absorbed
+        if ledger[ClothFraction::Absorbed].abs() > residual.abs() {
+            ledger[ClothFraction::Absorbed]
         } else {
             residual
         }

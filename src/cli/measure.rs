@@ -1,11 +1,12 @@
 use super::{Failure, Options, Replace, Scratch, Stopping, claim, in_words, inputs_of, study};
-use serde::Serialize;
-use specval::cloth::light::ClothLedger;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
+use specval::cloth::light::{ClothFraction, ClothLedger};
 use specval::output::{self, Place, beside, write_all};
 use specval::report::effort_line;
-use specval::run::{GrazingGain, Plan, RunError, Simulator, Stage, StateFile, Watch, grazing_gains, grazing_notice};
+use specval::run::{GrazingGain, RunError, Simulator, Stage, StateFile, Watch, grazing_gains, grazing_notice};
 use specval::study::MethodChoice;
-use specval::transport::Estimate;
+use specval::transport::{Estimate, FractionList};
 use std::path::PathBuf;
 
 /// Measures the woven model with the virtual rig: spectral brightness factors, gloss included, not normalised.
@@ -45,27 +46,28 @@ impl Method {
     }
 }
 
-/// Where the light of one incidence and wavelength went.
-#[derive(Serialize)]
+/// Where the light of one incidence and wavelength went: every fraction, then the residual.
 struct EnergyRow {
     theta_i_deg: f64,
     wavelength_nm: f64,
-    reflected: f64,
-    reflected_se: f64,
-    through_yarns: f64,
-    through_yarns_se: f64,
-    through_gaps: f64,
-    through_gaps_se: f64,
-    absorbed: f64,
-    absorbed_se: f64,
-    reflection_dropped: f64,
-    reflection_dropped_se: f64,
-    bounces_cut: f64,
-    bounces_cut_se: f64,
-    games: f64,
-    games_se: f64,
-    residual: f64,
-    residual_se: f64,
+    mean: ClothLedger,
+    se: ClothLedger,
+    residual: Estimate,
+}
+
+impl Serialize for EnergyRow {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut row = serializer.serialize_struct("EnergyRow", 4 + 2 * ClothFraction::COUNT)?;
+        row.serialize_field("theta_i_deg", &self.theta_i_deg)?;
+        row.serialize_field("wavelength_nm", &self.wavelength_nm)?;
+        for &fraction in ClothFraction::ALL {
+            row.serialize_field(fraction.name(), &self.mean[fraction])?;
+            row.serialize_field(fraction.se_name(), &self.se[fraction])?;
+        }
+        row.serialize_field("residual", &self.residual.value)?;
+        row.serialize_field("residual_se", &self.residual.se)?;
+        row.end()
+    }
 }
 
 #[derive(Serialize)]
@@ -116,7 +118,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let state = StateFile::new(scratch.state.clone(), "measure", &plan)?;
     let simulation = stopping.simulate(&simulator, watch, &state, &rule, terminal)?;
     let effort = effort_line(&simulation.effort);
-    let energy = energy_rows(&plan, &simulator.incidences_deg(), &simulation.cloth);
+    let energy = energy_rows(plan.grid.nm(), &simulator.incidences_deg(), &simulation.cloth);
     let curves = simulation.curves;
     let mut rows = Vec::with_capacity(curves.geometries.len() * wavelengths);
     for (g, geometry) in curves.geometries.iter().enumerate() {
@@ -179,49 +181,17 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
 }
 
 /// `cloth` is [batch][incidence × wavelength]; empty where light was not followed from yarn to yarn.
-fn energy_rows(plan: &Plan, incidences_deg: &[f64], cloth: &[Vec<ClothLedger>]) -> Vec<EnergyRow> {
-    let nm = plan.grid.nm();
+fn energy_rows(nm: &[f64], incidences_deg: &[f64], cloth: &[Vec<ClothLedger>]) -> Vec<EnergyRow> {
     let cells = cloth.first().map_or(0, Vec::len);
     let row = |i: usize| {
-        let estimate = |of: fn(&ClothLedger) -> f64| Estimate::from_batches(cloth.iter().map(|batch| of(&batch[i])));
-        let [
-            reflected,
-            through_yarns,
-            through_gaps,
-            absorbed,
-            dropped,
-            cut,
-            games,
-            residual,
-        ] = [
-            estimate(|ledger| ledger.reflected),
-            estimate(|ledger| ledger.through_yarns),
-            estimate(|ledger| ledger.through_gaps),
-            estimate(|ledger| ledger.absorbed),
-            estimate(|ledger| ledger.reflection_dropped),
-            estimate(|ledger| ledger.bounces_cut),
-            estimate(|ledger| ledger.games),
-            estimate(ClothLedger::residual),
-        ];
+        let batches: Vec<ClothLedger> = cloth.iter().map(|batch| batch[i]).collect();
+        let [mean, se] = ClothLedger::mean_and_se(&batches);
         EnergyRow {
             theta_i_deg: incidences_deg[i / nm.len()],
             wavelength_nm: nm[i % nm.len()],
-            reflected: reflected.value,
-            reflected_se: reflected.se,
-            through_yarns: through_yarns.value,
-            through_yarns_se: through_yarns.se,
-            through_gaps: through_gaps.value,
-            through_gaps_se: through_gaps.se,
-            absorbed: absorbed.value,
-            absorbed_se: absorbed.se,
-            reflection_dropped: dropped.value,
-            reflection_dropped_se: dropped.se,
-            bounces_cut: cut.value,
-            bounces_cut_se: cut.se,
-            games: games.value,
-            games_se: games.se,
-            residual: residual.value,
-            residual_se: residual.se,
+            mean,
+            se,
+            residual: Estimate::from_batches(batches.iter().map(ClothLedger::residual)),
         }
     };
     (0..cells).map(row).collect()

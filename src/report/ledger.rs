@@ -1,10 +1,10 @@
 use super::EnergyRow;
 use super::tables::rounded;
+use crate::transport::{Column, Fraction};
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Range of one fraction of the ledger over all wavelengths and directions: the mean of a ledger says nothing, its worst
-/// row does.
+/// Range of one column of the ledger over all wavelengths and directions, because a mean alone hides the worst row.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LedgerRange {
     pub fraction: &'static str,
@@ -13,39 +13,29 @@ pub struct LedgerRange {
     pub highest: f64,
 }
 
-/// A fraction's name and where it stands.
-type Column = (&'static str, fn(&EnergyRow) -> f64);
-
-/// Every fraction in the order of `energy.csv`; none without rows.
+/// Every column in the order of `energy.csv`; none without rows.
 pub fn ledger_ranges(rows: &[EnergyRow]) -> Vec<LedgerRange> {
-    let columns: [Column; 7] = [
-        ("reflected", |row| row.reflected),
-        ("ballistic", |row| row.ballistic),
-        ("scattered", |row| row.scattered),
-        ("absorbed", |row| row.absorbed),
-        ("roulette", |row| row.roulette),
-        ("residual", |row| row.residual),
-        ("sharing", |row| row.sharing),
-    ];
     if rows.is_empty() {
         return Vec::new();
     }
-    columns
-        .into_iter()
-        .map(|(fraction, of)| LedgerRange {
-            fraction,
-            lowest: rows.iter().map(of).fold(f64::INFINITY, f64::min),
-            mean: rows.iter().map(of).sum::<f64>() / rows.len() as f64,
-            highest: rows.iter().map(of).fold(f64::NEG_INFINITY, f64::max),
-        })
-        .collect()
+    let range = |column: Column| {
+        let values = rows.iter().map(|row| row.column(column).value);
+        LedgerRange {
+            fraction: column.name(),
+            lowest: values.clone().fold(f64::INFINITY, f64::min),
+            mean: values.clone().sum::<f64>() / rows.len() as f64,
+            highest: values.fold(f64::NEG_INFINITY, f64::max),
+        }
+    };
+    Column::ALL.into_iter().map(range).collect()
 }
 
-/// What to say of a ledger with fractions beyond 0 to 1, which noise alone can do; nothing of any other.
+/// A notice if fractions of the ledger lie outside 0 to 1, which noise alone can cause.
 pub fn ledger_notice(rows: &[EnergyRow]) -> Option<String> {
     // Beyond rounding.
     let beyond = |value: f64| !(-1e-6..=1.0 + 1e-6).contains(&value);
-    let is_noise = |row: &&EnergyRow| [row.ballistic, row.scattered, row.absorbed].into_iter().any(beyond);
+    let noisy = [Fraction::Ballistic, Fraction::Scattered, Fraction::Absorbed];
+    let is_noise = |row: &&EnergyRow| noisy.into_iter().any(|fraction| beyond(row[fraction].value));
     match rows.iter().filter(is_noise).count() {
         0 => None,
         noisy => Some(format!(

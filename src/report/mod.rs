@@ -5,6 +5,7 @@
 
 mod approximations;
 mod chart;
+mod energy_row;
 mod graphs;
 mod json;
 mod ledger;
@@ -15,12 +16,13 @@ mod tables;
 
 pub use approximations::{ApproximationRow, Approximations, LocalityRow};
 pub use chart::chart_font;
+pub use energy_row::EnergyRow;
 pub use graphs::{Graph, graphs};
 pub use json::report_json;
 pub use ledger::{LedgerRange, ledger_notice, ledger_ranges, ledger_table};
 pub use result::{
-    AskedEffort, Convention, EffortNote, EnergyRow, InputDigest, PathsPerBatch, Provenance, ReachedPrecision,
-    ReadingCount, ReportData, SampleNote, Table1Name, Table1Row,
+    AskedEffort, Convention, EffortNote, InputDigest, PathsPerBatch, Provenance, ReachedPrecision, ReadingCount,
+    ReportData, SampleNote, Table1Name, Table1Row,
 };
 pub use result_file::{RESULT, read_result, result_json};
 pub use summary::{effort_line, summary};

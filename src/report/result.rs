@@ -1,10 +1,9 @@
 //! The one plain result everything in this room is a pure function of.
 
-use super::Approximations;
+use super::{Approximations, EnergyRow};
 use crate::compare::{
     ColourRatios, CurvePoint, Estimate, Geometry, HueComparison, Normalisation, Peak, Rmse, RmseRatio,
 };
-use crate::number::nan_from_null;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -104,46 +103,6 @@ pub struct Convention {
     /// In words: observer, illuminant, RGB space, adaptation.
     pub convention: String,
     pub rows: Vec<Table1Row>,
-}
-
-/// Energy ledger of one wavelength and incident direction: fractions of the incident flux, each with its standard
-/// error. `residual` is 1 minus the sum of the fractions before it; `sharing` is a part of `roulette`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct EnergyRow {
-    pub wavelength_nm: f64,
-    pub theta_in_deg: f64,
-    pub phi_in_deg: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub reflected: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub reflected_se: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub ballistic: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub ballistic_se: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub scattered: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub scattered_se: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub absorbed: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub absorbed_se: f64,
-    /// What games of chance took from the paths' weights less what they gave, 0 in the mean: Russian roulette, and the balance
-    /// heuristic where wavelengths share paths.
-    #[serde(deserialize_with = "nan_from_null")]
-    pub roulette: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub roulette_se: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub residual: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub residual_se: f64,
-    /// The balance heuristic's part of `roulette`.
-    #[serde(deserialize_with = "nan_from_null")]
-    pub sharing: f64,
-    #[serde(deserialize_with = "nan_from_null")]
-    pub sharing_se: f64,
 }
 
 /// What became of the readings of a sample: every one is used, interpolated, outside the plane of incidence, outside the rig, or

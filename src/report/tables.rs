@@ -1,5 +1,5 @@
 use super::result::known_error;
-use super::{Approximations, ReportData, ReportError, Table1Name, Table1Row};
+use super::{Approximations, EnergyRow, ReportData, ReportError, Table1Name, Table1Row};
 use crate::compare::{Channel, Geometry, Source};
 use serde::Serialize;
 use std::fmt::Write;
@@ -38,28 +38,7 @@ pub fn curves_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
 
 /// `energy.csv`: one line a wavelength and incident direction.
 pub fn energy_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
-    csv_of(
-        &data.energy,
-        &[
-            "wavelength_nm",
-            "theta_in_deg",
-            "phi_in_deg",
-            "reflected",
-            "reflected_se",
-            "ballistic",
-            "ballistic_se",
-            "scattered",
-            "scattered_se",
-            "absorbed",
-            "absorbed_se",
-            "roulette",
-            "roulette_se",
-            "residual",
-            "residual_se",
-            "sharing",
-            "sharing_se",
-        ],
-    )
+    csv_of(&data.energy, &EnergyRow::header())
 }
 
 /// `approximations.csv`: one line an incidence, channel and way to follow light in the cloth.

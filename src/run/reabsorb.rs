@@ -1,8 +1,12 @@
 use super::{Notice, NoticeKind, Plan, Reabsorbed, RunError, Systematic, YarnArtefact};
 use crate::report::EnergyRow;
 use crate::study::{MediumSection, Study};
+use crate::transport::Fraction;
 use crate::yarn::{ByLength, LengthBins, Reabsorption, Reweighted, Support};
 use std::fmt;
+
+/// Fractions of the ledger that leave the yarn and are kept by path length.
+const LEAVING: [Fraction; 2] = [Fraction::Ballistic, Fraction::Scattered];
 
 const LEAST_SHARE: f64 = 0.05;
 const LEAST_OPEN_SHARE: f64 = 0.01;
@@ -131,7 +135,7 @@ pub fn reabsorb(
         let (wavelength, direction) = (i / incident.len(), i % incident.len());
         let traced = incident.representative(direction).0 * wavelengths + wavelength;
         change_row(row, &energy[traced]);
-        light[traced] = [row.ballistic, row.scattered];
+        light[traced] = LEAVING.map(|fraction| row[fraction].value);
     }
     for (i, error) in systematic.energy.iter_mut().enumerate() {
         let of = &energy[i / 2][i % 2];
@@ -169,17 +173,23 @@ fn agree(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && std::iter::zip(a, b).all(|(a, b)| (a - b).abs() <= 1e-9 * a.abs().max(b.abs()))
 }
 
-fn change_row(row: &mut EnergyRow, [ballistic, scattered]: &[Reweighted; 2]) {
-    let left = row.ballistic + row.scattered;
-    let error = row.ballistic_se.hypot(row.scattered_se);
-    row.ballistic *= ballistic.ratio;
-    row.ballistic_se *= ballistic.se_ratio;
-    row.scattered *= scattered.ratio;
-    row.scattered_se *= scattered.se_ratio;
+/// `changes` are those of [`LEAVING`].
+fn change_row(row: &mut EnergyRow, changes: &[Reweighted; 2]) {
+    let leaving = |row: &EnergyRow| {
+        let [ballistic, scattered] = LEAVING.map(|fraction| row[fraction]);
+        (ballistic.value + scattered.value, ballistic.se.hypot(scattered.se))
+    };
+    let (before, se_before) = leaving(row);
+    for (fraction, change) in std::iter::zip(LEAVING, changes) {
+        row[fraction].value *= change.ratio;
+        row[fraction].se *= change.se_ratio;
+    }
+    let (after, se_after) = leaving(row);
     // What no longer leaves was absorbed, and its error moves with that of what leaves.
-    row.absorbed += left - (row.ballistic + row.scattered);
-    if error > 0.0 {
-        row.absorbed_se *= row.ballistic_se.hypot(row.scattered_se) / error;
+    let absorbed = &mut row[Fraction::Absorbed];
+    absorbed.value += before - after;
+    if se_before > 0.0 {
+        absorbed.se *= se_after / se_before;
     }
 }
 

@@ -1,10 +1,10 @@
 use super::{Batch, Plan, RunError, Simulator};
 use crate::artefact::{ArrayInfo, ElementType, Identity, Kind, Reader, Writer};
-use crate::cloth::light::ClothLedger;
+use crate::cloth::light::{ClothFraction, ClothLedger};
 use crate::output;
 use crate::report::InputDigest;
 use crate::study::Study;
-use crate::transport::Ledger;
+use crate::transport::{Fraction, FractionList, Ledger};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -64,12 +64,12 @@ impl StateFile {
             &stored[array][batch * size..(batch + 1) * size]
         };
         let batch = |batch| Batch {
-            ledgers: fractions(of_batch(0, batch)).map(Ledger::from_fractions).collect(),
+            ledgers: amounts(of_batch(0, batch)).map(Ledger::from_amounts).collect(),
             diffuse: of_batch(1, batch)
                 .chunks_exact(wavelengths)
                 .map(<[f64]>::to_vec)
                 .collect(),
-            cloth: fractions(of_batch(2, batch)).map(ClothLedger::from_fractions).collect(),
+            cloth: amounts(of_batch(2, batch)).map(ClothLedger::from_amounts).collect(),
         };
         Ok(Some((0..batches.unwrap_or(0)).map(batch).collect()))
     }
@@ -81,11 +81,11 @@ impl StateFile {
         let header = serde_json::json!({ "batches": batches.len() });
         let mut file = Writer::create(path, Kind::State, &self.identity, &header, &infos)?;
         let ledgers = batches.iter().flat_map(|batch| &batch.ledgers);
-        file.append(&infos[0].name, ledgers.flat_map(Ledger::fractions))?;
+        file.append(&infos[0].name, ledgers.flat_map(Ledger::amounts))?;
         let diffuse = batches.iter().flat_map(|batch| batch.diffuse.iter().flatten());
         file.append(&infos[1].name, diffuse.copied())?;
         let cloth = batches.iter().flat_map(|batch| &batch.cloth);
-        file.append(&infos[2].name, cloth.flat_map(ClothLedger::fractions))?;
+        file.append(&infos[2].name, cloth.flat_map(ClothLedger::amounts))?;
         Ok(file.finish()?)
     }
 
@@ -95,8 +95,18 @@ impl StateFile {
     }
 }
 
-fn fractions<const N: usize>(values: &[f64]) -> impl Iterator<Item = [f64; N]> {
+/// The amounts of N fractions of one ledger after the other.
+fn amounts<const N: usize>(values: &[f64]) -> impl Iterator<Item = [f64; N]> {
     values.as_chunks().0.iter().copied()
+}
+
+/// Names of all fractions of a list, in words.
+fn words<F: FractionList>() -> String {
+    let names: Vec<String> = F::ALL
+        .iter()
+        .map(|fraction| fraction.name().replace('_', " "))
+        .collect();
+    names.join(", ")
 }
 
 /// What the file holds for this many batches.
@@ -113,8 +123,11 @@ fn arrays(simulator: &Simulator, batches: usize) -> [ArrayInfo; 3] {
         array(
             "ledgers",
             "fraction of the incident flux",
-            "batch, traced incident direction, wavelength, (reflected, ballistic, scattered, absorbed, roulette, sharing)",
-            &[batches, directions, wavelengths, Ledger::FRACTIONS],
+            &format!(
+                "batch, traced incident direction, wavelength, ({})",
+                words::<Fraction>()
+            ),
+            &[batches, directions, wavelengths, Fraction::COUNT],
         ),
         array(
             "diffuse",
@@ -125,12 +138,12 @@ fn arrays(simulator: &Simulator, batches: usize) -> [ArrayInfo; 3] {
         array(
             "cloth",
             "fraction of the incident flux",
-            "batch, incidence, wavelength, (reflected, through yarns, through gaps, absorbed, reflection dropped, bounces cut, games)",
+            &format!("batch, incidence, wavelength, ({})", words::<ClothFraction>()),
             &[
                 batches,
                 simulator.cloth_shape()[0],
                 simulator.cloth_shape()[1],
-                ClothLedger::FRACTIONS,
+                ClothFraction::COUNT,
             ],
         ),
     ]

@@ -3,7 +3,7 @@ use super::effort::effort_note;
 use super::yarn_sums::{YarnBatch, YarnSums};
 use super::{Gather, Plan, Precision, RunError, Schedule, Stage, Tolerance, Watched, check_memory, gather};
 use crate::report::EffortNote;
-use crate::transport::{BatchSums, Ledger};
+use crate::transport::{BatchSums, Fraction, Ledger};
 use crate::yarn::{DirectBatch, DirectTracer, EnergyTracer, LengthBins, PatchTracer};
 use std::path::Path;
 
@@ -76,7 +76,7 @@ struct Tracing<'a> {
 impl Tracing<'_> {
     /// Takes one batch's scattered fractions into what the stop rule watches.
     fn watch(scattered: &mut BatchSums, ledgers: &[Ledger]) {
-        let fractions: Vec<f64> = ledgers.iter().map(|ledger| ledger.scattered).collect();
+        let fractions: Vec<f64> = ledgers.iter().map(|ledger| ledger[Fraction::Scattered]).collect();
         scattered.add(&fractions);
     }
 }

@@ -17,7 +17,8 @@ mod walk;
 mod weights;
 
 pub use interior::{Coefficients, Interior};
-pub use ledger::{Ledger, LedgerEntry};
+pub(crate) use ledger::fractions;
+pub use ledger::{Column, Fraction, FractionList, Ledger, LedgerOf};
 pub use path::{ENTRY_COORDINATES, Entry, Exit};
 pub use roulette::Roulette;
 pub use shape::{Cylinder, Shape, Slab};

@@ -2,7 +2,7 @@ use super::entrance::Entrance;
 use super::flights::{Flights, LanesOf, Mask, Step, lanes_where};
 use super::lane_math::{LANES, exp};
 use super::weights::{EVENTS_AT_MOST, Weights};
-use super::{Interior, Ledger, Roulette};
+use super::{Fraction, Interior, Ledger, Roulette};
 
 /// Paths of one wavelength, side by side: the plain walk, whose weights close the ledger to rounding.
 pub(super) struct Plain<'a> {
@@ -125,13 +125,14 @@ impl<'a> Weights<'a> for Plain<'a> {
     }
 
     fn ledgers(&self) -> Vec<Ledger> {
-        vec![Ledger {
-            reflected: self.reflected.iter().sum(),
-            ballistic: self.ballistic.iter().sum(),
-            scattered: self.scattered.iter().sum(),
-            absorbed: self.absorbed.iter().sum(),
-            roulette: self.roulette.iter().sum(),
-            sharing: 0.0,
-        }]
+        let sum = |fraction| match fraction {
+            Fraction::Reflected => self.reflected.iter().sum(),
+            Fraction::Ballistic => self.ballistic.iter().sum(),
+            Fraction::Scattered => self.scattered.iter().sum(),
+            Fraction::Absorbed => self.absorbed.iter().sum(),
+            Fraction::RouletteNet => self.roulette.iter().sum(),
+            Fraction::MisNet => 0.0,
+        };
+        vec![Ledger::new(sum)]
     }
 }

@@ -4,7 +4,7 @@ use super::interior::{Double, GROUP, Single};
 use super::lane_math::{LANES, exp_single, loss_single};
 use super::roulette::REFLECTIONS_IN_A_ROW;
 use super::weights::{EVENTS_AT_MOST, Weights};
-use super::{Interior, Ledger, Roulette};
+use super::{Fraction, Interior, Ledger, Roulette};
 use std::ops::{Add, Mul};
 
 /// Paths that all wavelengths share, one after the other with the wavelengths side by side.
@@ -206,24 +206,16 @@ impl<'a> Weights<'a> for Spectral<'a> {
     }
 
     fn ledgers(&self) -> Vec<Ledger> {
-        let [reflected, ballistic, scattered, absorbed, roulette, sharing] = [
-            &self.reflected,
-            &self.ballistic,
-            &self.scattered,
-            &self.absorbed,
-            &self.roulette,
-            &self.sharing,
-        ]
-        .map(|sums| sums.as_flattened());
+        let sums = |fraction| match fraction {
+            Fraction::Reflected => self.reflected.as_flattened(),
+            Fraction::Ballistic => self.ballistic.as_flattened(),
+            Fraction::Scattered => self.scattered.as_flattened(),
+            Fraction::Absorbed => self.absorbed.as_flattened(),
+            Fraction::RouletteNet => self.roulette.as_flattened(),
+            Fraction::MisNet => self.sharing.as_flattened(),
+        };
         (0..self.wavelengths)
-            .map(|w| Ledger {
-                reflected: reflected[w],
-                ballistic: ballistic[w],
-                scattered: scattered[w],
-                absorbed: absorbed[w],
-                roulette: roulette[w],
-                sharing: sharing[w],
-            })
+            .map(|w| Ledger::new(|fraction| sums(fraction)[w]))
             .collect()
     }
 }

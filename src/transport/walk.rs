@@ -342,7 +342,7 @@ mod tests {
             sink: &mut sink,
         };
         let traced = trace(&walk, Stream::open(1, Purpose::Validation, 0, 0, 0), ends);
-        let fractions = traced.ledgers.iter().flat_map(Ledger::fractions);
+        let fractions = traced.ledgers.iter().flat_map(Ledger::amounts);
         bits.extend(fractions.map(f64::to_bits));
         bits.push(traced.scatterings);
         bits
@@ -367,7 +367,7 @@ mod tests {
                 let traced = walk.trace_incident(stream, &rows, entry, sink);
                 for (w, ledger) in traced.ledgers.iter().enumerate() {
                     let came: f32 = rows.iter().skip(w).step_by(wavelengths).sum();
-                    let accounted: f64 = ledger.fractions().iter().sum();
+                    let accounted: f64 = ledger.amounts().iter().sum();
                     assert!((accounted - f64::from(came)).abs() < 1e-9, "{accounted} of {came}");
                 }
                 traced

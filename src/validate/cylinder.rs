@@ -8,7 +8,7 @@ use super::statistics::check;
 use super::{Check, ValidateError};
 use crate::geometry::Vec3;
 use crate::optics::{HenyeyGreenstein, Phase};
-use crate::transport::{Coefficients, Cylinder, Entry, Estimate, Exit, Interior, Roulette, Traced, Walk};
+use crate::transport::{Coefficients, Cylinder, Entry, Estimate, Exit, Fraction, Interior, Roulette, Traced, Walk};
 
 #[derive(Debug, Deserialize)]
 struct Row {
@@ -138,7 +138,12 @@ impl CylinderProblem {
         let [ledger] = traced.ledgers[..] else {
             return Ok(Vec::new());
         };
-        let sums = [ledger.reflected, ledger.ballistic, ledger.absorbed, chords];
+        let sums = [
+            ledger[Fraction::Reflected],
+            ledger[Fraction::Ballistic],
+            ledger[Fraction::Absorbed],
+            chords,
+        ];
         Ok(sums.iter().map(|s| s / paths as f64).collect())
     }
 

@@ -6,7 +6,7 @@ use super::statistics::check;
 use super::{Check, ValidateError};
 use crate::geometry::Vec3;
 use crate::optics::{HenyeyGreenstein, Phase};
-use crate::transport::{Coefficients, Entry, Estimate, Interior, Roulette, Slab, Walk};
+use crate::transport::{Coefficients, Entry, Estimate, Fraction, Interior, Roulette, Slab, Walk};
 
 #[derive(Clone, Debug, Deserialize)]
 struct Row {
@@ -101,7 +101,7 @@ impl SlabProblem {
                 }
             },
         );
-        sums[0] += traced.ledgers[0].reflected;
+        sums[0] += traced.ledgers[0][Fraction::Reflected];
         Ok(sums.iter().map(|s| s / paths as f64).collect())
     }
 

@@ -7,7 +7,7 @@ use super::statistics::{check, joint};
 use super::{Check, ValidateError};
 use crate::optics::{Interference, Medium, MediumSpec};
 use crate::spectrum::{Spectrum, WavelengthGrid};
-use crate::transport::{Coefficients, Cylinder, Estimate, Interior, Roulette, Walk};
+use crate::transport::{Coefficients, Cylinder, Estimate, Fraction, Interior, Roulette, Walk};
 
 /// The reference's yarn: host and particle index, particle diameter, volume fraction and radius.
 const HOST_INDEX: f64 = 1.557;
@@ -200,10 +200,14 @@ impl YarnProblem {
                 straight.add(&mut cells[1], azimuth_deg, weight);
             }
         });
-        let totals = traced
-            .ledgers
-            .iter()
-            .flat_map(|ledger| [ledger.reflected, ledger.ballistic, ledger.scattered, ledger.absorbed]);
+        let totals = traced.ledgers.iter().flat_map(|ledger| {
+            [
+                ledger[Fraction::Reflected],
+                ledger[Fraction::Ballistic],
+                ledger[Fraction::Scattered],
+                ledger[Fraction::Absorbed],
+            ]
+        });
         let sums = totals.chain(cells.into_iter().flatten());
         Ok(sums.map(|s| s / paths as f64).collect())
     }

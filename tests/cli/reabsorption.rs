@@ -7,7 +7,7 @@ use specval::report::EnergyRow;
 use specval::run::{NoticeKind, Plan, RunError, YarnArtefact, YarnSums, YarnTracer, reabsorb};
 use specval::spectrum::WavelengthGrid;
 use specval::study::{EstimatorChoice, MediumSection, NumberOrTable, Study};
-use specval::transport::{Coefficients, Cylinder, Entry, Interior, Purpose, Roulette, Stream, Walk};
+use specval::transport::{Coefficients, Cylinder, Entry, Fraction, Interior, Purpose, Roulette, Stream, Walk};
 use specval::yarn::{ByLength, LengthBins, Reabsorption, YarnError};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::iter::zip;
@@ -96,12 +96,20 @@ fn chi_squared(reabsorbed: &YarnArtefact, retraced: &YarnArtefact, wavelength: u
         let [a, b] = [reabsorbed, retraced].map(|of| &of.energy[wavelength * incident.len() + direction]);
         let at = 2 * (traced * n + wavelength);
         add(
-            a.scattered - b.scattered,
-            [a.scattered_se, b.scattered_se, systematic.energy[at + 1].into()],
+            a[Fraction::Scattered].value - b[Fraction::Scattered].value,
+            [
+                a[Fraction::Scattered].se,
+                b[Fraction::Scattered].se,
+                systematic.energy[at + 1].into(),
+            ],
         );
         add(
-            a.ballistic - b.ballistic,
-            [a.ballistic_se, b.ballistic_se, systematic.energy[at].into()],
+            a[Fraction::Ballistic].value - b[Fraction::Ballistic].value,
+            [
+                a[Fraction::Ballistic].se,
+                b[Fraction::Ballistic].se,
+                systematic.energy[at].into(),
+            ],
         );
     }
     (sum, count)
@@ -137,7 +145,13 @@ fn relative(a: f64, b: f64) -> f64 {
 
 /// The ledger's six fractions without the residual.
 fn fractions(row: &EnergyRow) -> [f64; 5] {
-    [row.reflected, row.ballistic, row.scattered, row.absorbed, row.roulette]
+    [
+        row[Fraction::Reflected].value,
+        row[Fraction::Ballistic].value,
+        row[Fraction::Scattered].value,
+        row[Fraction::Absorbed].value,
+        row[Fraction::RouletteNet].value,
+    ]
 }
 
 #[test]
@@ -206,11 +220,19 @@ fn the_ledger_stays_closed_and_the_bins_add_up() {
     let before = dyed();
     let after = changed(before.clone(), medium(0.004, "preprint-red", 0.2));
     for (a, b) in zip(&before.energy, &after.energy) {
-        assert_eq!([a.reflected, a.roulette], [b.reflected, b.roulette]);
+        assert_eq!(
+            [a[Fraction::Reflected].value, a[Fraction::RouletteNet].value],
+            [b[Fraction::Reflected].value, b[Fraction::RouletteNet].value]
+        );
         assert!((fractions(b).iter().sum::<f64>() - 1.0).abs() < 1e-12);
         // 0.2/mm more of the host beside less of the dye.
         let red = a.wavelength_nm > 650.0;
-        assert_eq!(a.scattered > b.scattered, red, "{} nm", a.wavelength_nm);
+        assert_eq!(
+            a[Fraction::Scattered].value > b[Fraction::Scattered].value,
+            red,
+            "{} nm",
+            a.wavelength_nm
+        );
     }
     let (n, bins) = (WAVELENGTHS_NM.len(), after.layout.bins());
     for (cell, rows) in after.by_length.mean.chunks(n * bins).enumerate() {
@@ -235,7 +257,12 @@ fn ballistic_light_loses_exactly_what_the_law_says() {
         let [x, y] = [theta.sin() * phi.cos(), theta.sin() * phi.sin()].map(|x| x / index);
         let z = (1.0 - x * x - y * y).sqrt();
         let chord = 2.0 * radius * z / (x * x + z * z);
-        assert!(relative(b.ballistic, a.ballistic * (-0.7 * chord).exp()) < 1e-3);
+        assert!(
+            relative(
+                b[Fraction::Ballistic].value,
+                a[Fraction::Ballistic].value * (-0.7 * chord).exp()
+            ) < 1e-3
+        );
     }
 }
 

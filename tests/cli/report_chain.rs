@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use specval::run::YarnArtefact;
+use specval::transport::Fraction;
 use std::fs;
 use std::path::Path;
 
@@ -276,7 +277,7 @@ fn trace_keeps_what_it_says() {
     // Of all incident light as much leaves by path length as the ledger says.
     let row = yarn.energy.iter().find(|row| row.wavelength_nm == 600.0).unwrap();
     let first = &yarn.energy_by_length.mean[3 * BINS * 4..][..BINS * 4];
-    for (part, expected) in [(0, row.ballistic), (1, row.scattered)] {
+    for (part, expected) in [(0, row[Fraction::Ballistic].value), (1, row[Fraction::Scattered].value)] {
         let sum: f64 = first.iter().skip(part).step_by(4).sum();
         approx::assert_relative_eq!(sum, expected, max_relative = 1e-12);
     }

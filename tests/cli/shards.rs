@@ -2,6 +2,7 @@
 //! not belong together is refused by name, its files untouched.
 
 use specval::run::YarnArtefact;
+use specval::transport::Fraction;
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;
@@ -387,7 +388,11 @@ fn a_trace_stops_at_the_precision_of_the_scattered_light() {
     let text = succeed(folder, &run);
     assert!(text.contains("stopped by precision"), "{text}");
     let yarn = YarnArtefact::read(&folder.join("yarn")).unwrap();
-    let largest = yarn.energy.iter().map(|row| row.scattered_se).fold(0.0, f64::max);
+    let largest = yarn
+        .energy
+        .iter()
+        .map(|row| row[Fraction::Scattered].se)
+        .fold(0.0, f64::max);
     assert!(
         yarn.batches >= 8 && largest > 0.0 && largest <= 0.01,
         "{} {largest}",

@@ -4,8 +4,8 @@
 use rand::RngExt;
 use rayon::prelude::*;
 use specval::cloth::light::{
-    Beam, ClothBatch, ClothLedger, Connected, Detector, Scene, Segments, ViewCones, ViewPaths, Volumetric, YarnSurface,
-    YarnToYarn,
+    Beam, ClothBatch, ClothFraction, ClothLedger, Connected, Detector, Scene, Segments, ViewCones, ViewPaths,
+    Volumetric, YarnSurface, YarnToYarn,
 };
 use specval::cloth::{Cloth, ClothSpec};
 use specval::geometry::Vec3;
@@ -175,8 +175,12 @@ fn ledgers_close() {
         for batch in traced.iter().chain(&scattered) {
             assert!(batch.ledger[w].residual().abs() < 1e-9, "{:?}", batch.ledger[w]);
         }
-        assert!(traced.iter().all(|batch| batch.ledger[w].absorbed == 0.0));
-        let out = estimate(&traced, w, |l| l.reflected + l.transmitted());
+        assert!(
+            traced
+                .iter()
+                .all(|batch| batch.ledger[w][ClothFraction::Absorbed] == 0.0)
+        );
+        let out = estimate(&traced, w, |l| l[ClothFraction::Reflected] + l.transmitted());
         println!("{:.5} ± {:.5} leaves", out.value, out.se);
         assert!((out.value - 1.0).abs() <= LIMIT * out.se, "{out:?}");
     }
@@ -201,7 +205,9 @@ fn black_yarns_reflect_alike_in_both_methods() {
         ("traced, by f*", &traced, &scattered),
         ("without roughness, smooth", &mirror_like, &smooth),
     ] {
-        for of in [(|l| l.reflected) as fn(&ClothLedger) -> f64, |l| l.through_yarns] {
+        for of in [(|l| l[ClothFraction::Reflected]) as fn(&ClothLedger) -> f64, |l| {
+            l[ClothFraction::ThroughYarns]
+        }] {
             let [a, b] = [a, b].map(|batches| estimate(batches, 0, of));
             println!("{name}: {:.6} ± {:.6}, {:.6} ± {:.6}", a.value, a.se, b.value, b.se);
             assert!(z(a, b).abs() <= LIMIT, "{name}: {a:?} {b:?}");

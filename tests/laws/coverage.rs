@@ -14,7 +14,7 @@ use specval::rig::{PixelSamples, omega_in, omega_out};
 use specval::run::{Plan, Simulator, SpectralCurves};
 use specval::sample::Reading;
 use specval::study::{EstimatorChoice, Study};
-use specval::transport::{BatchSums, LedgerEntry};
+use specval::transport::{BatchSums, Fraction, Ledger};
 use specval::yarn::{DirectTracer, Effort, PatchTracer};
 
 const RUNS: u64 = 200;
@@ -96,9 +96,9 @@ fn quantities(plan: &Plan, measured: &[Option<Reading>]) -> Quantities {
 
     for i in 0..ledgers[0].len() {
         let batches: Vec<_> = ledgers.iter().map(|batch| batch[i]).collect();
-        let LedgerEntry { mean, se } = LedgerEntry::from_batches(&batches);
-        put("ledger scattered", mean.scattered, se[2]);
-        put("ledger absorbed", mean.absorbed, se[3]);
+        let [mean, se] = Ledger::mean_and_se(&batches);
+        put("ledger scattered", mean[Fraction::Scattered], se[Fraction::Scattered]);
+        put("ledger absorbed", mean[Fraction::Absorbed], se[Fraction::Absorbed]);
     }
 
     let direct = DirectTracer::new(&plan.yarn, plan.factor_grid, plan.direct_effort, None).unwrap();

@@ -15,12 +15,13 @@ use specval::run::medium;
 use specval::spectrum::{Samples, Spectrum, WavelengthGrid};
 use specval::study::Study;
 use specval::transport::{
-    Coefficients, Cylinder, Entry, Estimate, Interior, Ledger, LedgerEntry, Purpose, Roulette, Stream, Walk,
+    Coefficients, Cylinder, Entry, Estimate, Fraction, FractionList, Interior, Ledger, Purpose, Roulette, Stream, Walk,
 };
 use specval::yarn::{DirectTracer, Effort, EnergyTracer, Estimator, IncidentGrid, SurfaceGrid, Yarn, YarnResponseGrid};
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 const BATCHES: usize = 40;
+const NETS: [Fraction; 2] = [Fraction::MisNet, Fraction::RouletteNet];
 /// Absorption coefficients in place of the dye's, 1/mm.
 const EVEN_ABSORPTION: [f64; 3] = [0.0, 2.0, 20.0];
 
@@ -132,11 +133,11 @@ fn agree(times: u64) {
                 .map(|batch| batch.iter().flat_map(each).collect())
                 .collect()
         };
-        let totals = |l: &Ledger| vec![l.scattered, l.absorbed];
+        let totals = |l: &Ledger| vec![l[Fraction::Scattered], l[Fraction::Absorbed]];
         let joint = all_zero(&differences(&of(&a, totals), &of(&b, totals), KNOWN_TO));
         println!("{name}, totals: {joint}");
         assert!(joint.values >= 35 * 6 && joint.holds(1e-3), "{name}, totals: {joint}");
-        let ballistic = |l: &Ledger| vec![l.ballistic];
+        let ballistic = |l: &Ledger| vec![l[Fraction::Ballistic]];
         let ballistic = differences(&of(&a, ballistic), &of(&b, ballistic), f64::INFINITY);
         let values = ballistic[0].len();
         assert_eq!(values, 35 * 6);
@@ -180,10 +181,11 @@ fn shared_ledgers_close_and_their_games_are_fair() {
         let mut worst = [0.0f64; 2];
         for i in 0..entries {
             let of_entry: Vec<Ledger> = batches.iter().map(|batch| batch[i]).collect();
-            let LedgerEntry { mean, se } = LedgerEntry::from_batches(&of_entry);
-            assert_eq!(mean.absorbed == 0.0, white, "{name}: {mean:?}");
+            let [mean, se] = Ledger::mean_and_se(&of_entry);
+            assert_eq!(mean[Fraction::Absorbed] == 0.0, white, "{name}: {mean:?}");
             assert!(mean.residual().abs() <= 1e-12, "{name}: {mean:?}");
-            for (k, (value, se)) in [(mean.sharing, se[5]), (mean.roulette, se[4])].into_iter().enumerate() {
+            for (k, net) in NETS.into_iter().enumerate() {
+                let (value, se) = (mean[net], se[net]);
                 worst[k] = worst[k].max((value / se).abs());
                 assert!(
                     value.abs() <= limit * se,
@@ -191,8 +193,9 @@ fn shared_ledgers_close_and_their_games_are_fair() {
                 );
             }
         }
-        for (k, quantity) in ["sharing", "roulette"].into_iter().enumerate() {
-            let of = |l: &Ledger| if k == 0 { l.sharing } else { l.roulette };
+        for (k, net) in NETS.into_iter().enumerate() {
+            let quantity = net.name();
+            let of = |l: &Ledger| l[net];
             let joint = all_zero(&batches.iter().map(|b| b.iter().map(of).collect()).collect::<Vec<_>>());
             println!(
                 "{name}, {quantity}: |t| at most {:.2}, limit {limit:.2}; {joint}",
@@ -287,7 +290,11 @@ fn against_photon_tracer(psi_deg: f64, paths_per_batch: usize) -> Vec<(String, f
                 },
             );
             for (sums, ledger) in sums.iter_mut().zip(traced.ledgers) {
-                [sums[0], sums[1], sums[2]] = [ledger.ballistic, ledger.scattered, ledger.absorbed];
+                [sums[0], sums[1], sums[2]] = [
+                    ledger[Fraction::Ballistic],
+                    ledger[Fraction::Scattered],
+                    ledger[Fraction::Absorbed],
+                ];
                 sums.iter_mut().for_each(|sum| *sum /= paths_per_batch as f64);
             }
             sums

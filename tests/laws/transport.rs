@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use specval::geometry::Vec3;
 use specval::optics::{HenyeyGreenstein, Phase};
 use specval::transport::{
-    Coefficients, Cylinder, Entry, Interior, Ledger, LedgerEntry, Purpose, Roulette, Shape, Slab, Stream, Traced, Walk,
+    Coefficients, Cylinder, Entry, Fraction, Interior, Ledger, Purpose, Roulette, Shape, Slab, Stream, Traced, Walk,
 };
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -55,17 +55,17 @@ fn single_paths<S: Shape>(walk: &Walk<'_, S>, position: Vec3, batches: usize) ->
                         assert!((exit.normal.norm() - 1.0).abs() < ROUNDING);
                         assert!(exit.direction.dot(&exit.normal) >= 0.0 && weight >= 0.0);
                         if exit.scattered {
-                            exits.scattered += weight;
+                            exits[Fraction::Scattered] += weight;
                         } else {
-                            exits.ballistic += weight;
+                            exits[Fraction::Ballistic] += weight;
                         }
                     },
                 );
                 let [ledger] = ledgers[..] else {
                     panic!("one wavelength, {} ledgers", ledgers.len())
                 };
-                assert!((exits.scattered - ledger.scattered).abs() < ROUNDING);
-                assert!((exits.ballistic - ledger.ballistic).abs() < ROUNDING);
+                assert!((exits[Fraction::Scattered] - ledger[Fraction::Scattered]).abs() < ROUNDING);
+                assert!((exits[Fraction::Ballistic] - ledger[Fraction::Ballistic]).abs() < ROUNDING);
                 ledger
             })
             .collect()
@@ -111,19 +111,25 @@ fn white_furnace() {
         for paths in direction {
             let mut sum = Ledger::default();
             for ledger in paths {
-                let total = ledger.reflected + ledger.ballistic + ledger.scattered + ledger.roulette;
-                assert!((total - 1.0).abs() <= ROUNDING && ledger.absorbed == 0.0, "{ledger:?}");
+                let total = ledger[Fraction::Reflected]
+                    + ledger[Fraction::Ballistic]
+                    + ledger[Fraction::Scattered]
+                    + ledger[Fraction::RouletteNet];
+                assert!(
+                    (total - 1.0).abs() <= ROUNDING && ledger[Fraction::Absorbed] == 0.0,
+                    "{ledger:?}"
+                );
                 sum.add(&ledger);
             }
             batches.push(sum.scaled(1.0 / PATHS as f64));
         }
-        let LedgerEntry { mean, se } = LedgerEntry::from_batches(&batches);
+        let [mean, se] = Ledger::mean_and_se(&batches);
         assert!(mean.residual().abs() <= ROUNDING, "{mean:?}");
         assert!(
-            mean.roulette.abs() <= limit * se[4] && se[4] > 0.0,
+            mean[Fraction::RouletteNet].abs() <= limit * se[Fraction::RouletteNet] && se[Fraction::RouletteNet] > 0.0,
             "roulette {} ± {}",
-            mean.roulette,
-            se[4]
+            mean[Fraction::RouletteNet],
+            se[Fraction::RouletteNet]
         );
     }
 }
@@ -141,7 +147,7 @@ fn absorbing_ledgers_close() {
         let mut absorbed = 0.0;
         for ledger in single_paths(&walk, shape.at(0.0), 5).into_iter().flatten().flatten() {
             assert!(ledger.residual().abs() <= ROUNDING, "{ledger:?}");
-            absorbed += ledger.absorbed;
+            absorbed += ledger[Fraction::Absorbed];
         }
         assert!(absorbed > 0.0);
     }
@@ -176,7 +182,10 @@ fn grazing_light_ends_and_is_accounted_for() {
                     panic!("one wavelength, {} ledgers", ledgers.len())
                 };
                 assert!(ledger.residual().abs() <= ROUNDING, "cos {cosine}: {ledger:?}");
-                assert!(ledger.reflected >= 1.0 - 10.0 * cosine, "cos {cosine}: {ledger:?}");
+                assert!(
+                    ledger[Fraction::Reflected] >= 1.0 - 10.0 * cosine,
+                    "cos {cosine}: {ledger:?}"
+                );
             }
         }
     }
@@ -203,7 +212,7 @@ fn many_paths_close_as_one() {
             );
             let mean = ledgers[0].scaled(1.0 / paths as f64);
             assert!(mean.residual().abs() <= ROUNDING, "{paths}: {mean:?}");
-            let left = mean.ballistic + mean.scattered;
+            let left = mean[Fraction::Ballistic] + mean[Fraction::Scattered];
             assert!((exits / paths as f64 - left).abs() <= ROUNDING, "{paths}: {mean:?}");
         }
     }

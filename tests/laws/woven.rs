@@ -3,8 +3,8 @@
 
 use rayon::prelude::*;
 use specval::cloth::light::{
-    Beam, ClothBatch, ClothLedger, Connected, Detector, Scene, Segments, ViewCones, ViewPaths, Volumetric, YarnSurface,
-    YarnToYarn,
+    Beam, ClothBatch, ClothFraction, ClothLedger, Connected, Detector, Scene, Segments, ViewCones, ViewPaths,
+    Volumetric, YarnSurface, YarnToYarn,
 };
 use specval::cloth::{CentreLineKind, Cloth, ClothSpec};
 use specval::geometry::Vec3;
@@ -129,7 +129,7 @@ fn a_white_cloth_on_white_sends_all_light_back() {
     };
     let (white, black) = (on([1.0, 1.0]), on([0.0, 0.0]));
     for w in 0..2 {
-        let back = estimate(&white, w, |l| l.reflected);
+        let back = estimate(&white, w, |l| l[ClothFraction::Reflected]);
         assert!((back.value - 1.0).abs() <= LIMIT * back.se, "{back:?}");
         for batch in white.iter().chain(&black) {
             let ledger = batch.ledger[w];
@@ -138,8 +138,8 @@ fn a_white_cloth_on_white_sends_all_light_back() {
                 "{ledger:?}"
             );
         }
-        assert!(white.iter().all(|b| b.ledger[w].absorbed == 0.0));
-        let absorbed = estimate(&black, w, |l| l.absorbed);
+        assert!(white.iter().all(|b| b.ledger[w][ClothFraction::Absorbed] == 0.0));
+        let absorbed = estimate(&black, w, |l| l[ClothFraction::Absorbed]);
         assert!(absorbed.value > 0.3 && absorbed.value < 1.0 - 10.0 * absorbed.se);
     }
 }
@@ -201,10 +201,10 @@ fn a_white_cloth_loses_no_light() {
                 for batch in batches {
                     assert!(batch.ledger[w].residual().abs() < 1e-9, "{:?}", batch.ledger[w]);
                 }
-                let out = estimate(batches, w, |l| l.reflected + l.transmitted());
+                let out = estimate(batches, w, |l| l[ClothFraction::Reflected] + l.transmitted());
                 println!("{theta_deg} deg: {:.5} ± {:.5} leaves", out.value, out.se);
                 assert!((out.value - 1.0).abs() <= LIMIT * out.se + table, "{out:?}");
-                let absorbed = estimate(batches, w, |l| l.absorbed);
+                let absorbed = estimate(batches, w, |l| l[ClothFraction::Absorbed]);
                 assert!(absorbed.value.abs() <= LIMIT * absorbed.se + table, "{absorbed:?}");
             }
         }
@@ -222,7 +222,7 @@ fn a_white_cloth_loses_less_than_a_thousandth() {
         let traced = volumetric(&cloth, &yarn, YarnSurface::Smooth, theta_deg, &Nothing, 420_000);
         let scattered = bounces(&cloth, &yarn, YarnSurface::Smooth, theta_deg, 10_000_000, 420_000);
         for batches in [&traced, &scattered] {
-            let out = estimate(batches, 0, |l| l.reflected + l.transmitted());
+            let out = estimate(batches, 0, |l| l[ClothFraction::Reflected] + l.transmitted());
             println!("{theta_deg} deg: {:.5} ± {:.5} leaves", out.value, out.se);
             assert!(3.0 * out.se < 1e-3 && (out.value - 1.0).abs() < 1e-3, "{out:?}");
         }
@@ -283,8 +283,10 @@ fn yarns_far_apart_are_single() {
     let covered = 2.0 * radius_mm / spacing_mm;
     let twice = covered / (2.0 - covered);
     for w in 0..2 {
-        let alone = Estimate::from_batches(single.iter().map(|l| l[w].absorbed));
-        let woven = estimate(&cloth, w, |l| l.absorbed / (1.0 - l.through_gaps));
+        let alone = Estimate::from_batches(single.iter().map(|l| l[w][Fraction::Absorbed]));
+        let woven = estimate(&cloth, w, |l| {
+            l[ClothFraction::Absorbed] / (1.0 - l[ClothFraction::ThroughGaps])
+        });
         println!(
             "absorbed {:.4} ± {:.4}, woven {:.4} ± {:.4}",
             alone.value, alone.se, woven.value, woven.se
@@ -378,7 +380,7 @@ fn both_methods_agree_where_light_stays_near_its_entry() {
         let traced = volumetric(&cloth, &yarn, surface, 0.0, &Nothing, particles);
         let scattered = bounces(&cloth, yarn, surface, 0.0, 1_000_000, particles);
         for w in 0..yarn.medium.grid().len() {
-            let [a, b] = [&traced, &scattered].map(|batches| estimate(batches, w, |l| l.reflected));
+            let [a, b] = [&traced, &scattered].map(|batches| estimate(batches, w, |l| l[ClothFraction::Reflected]));
             println!(
                 "R {:.5} ± {:.5} traced, {:.5} ± {:.5} by f*",
                 a.value, a.se, b.value, b.se

@@ -4,7 +4,7 @@
 use crate::batch_statistics::{Joint, all_zero};
 use specval::optics::{Interference, Medium, MediumSpec};
 use specval::spectrum::{Spectrum, WavelengthGrid};
-use specval::transport::{Cylinder, Ledger, LedgerEntry, Roulette};
+use specval::transport::{Cylinder, Fraction, Ledger, Roulette};
 use specval::yarn::{
     BssrdfBatch, BssrdfGrid, DirectTracer, Effort, EnergyTracer, Estimator, IncidentGrid, PatchTracer, SurfaceGrid,
     WeightTally, Yarn, YarnResponse, YarnResponseGrid,
@@ -68,16 +68,19 @@ fn white_furnace() {
     for i in 0..entries {
         let of_entry: Vec<Ledger> = batches.iter().map(|batch| batch[i]).collect();
         for ledger in &of_entry {
-            assert_eq!(ledger.absorbed, 0.0);
-            let sum = ledger.reflected + ledger.ballistic + ledger.scattered + ledger.roulette;
+            assert_eq!(ledger[Fraction::Absorbed], 0.0);
+            let sum = ledger[Fraction::Reflected]
+                + ledger[Fraction::Ballistic]
+                + ledger[Fraction::Scattered]
+                + ledger[Fraction::RouletteNet];
             assert!((sum - 1.0).abs() < 1e-12, "{sum}");
         }
-        let LedgerEntry { mean, se } = LedgerEntry::from_batches(&of_entry);
+        let [mean, se] = Ledger::mean_and_se(&of_entry);
         assert!(
-            mean.roulette.abs() <= limit * se[4],
+            mean[Fraction::RouletteNet].abs() <= limit * se[Fraction::RouletteNet],
             "roulette {} ± {}",
-            mean.roulette,
-            se[4]
+            mean[Fraction::RouletteNet],
+            se[Fraction::RouletteNet]
         );
     }
 }
@@ -123,7 +126,7 @@ fn tables_integrate_to_the_ledger() {
                             }
                         }
                     }
-                    let scattered = of.ledgers[direction * wavelengths + wavelength].scattered;
+                    let scattered = of.ledgers[direction * wavelengths + wavelength][Fraction::Scattered];
                     assert!((whole - scattered).abs() < 1e-13, "{whole} {scattered}");
                     assert!((integrated + overflow - scattered).abs() < 1e-13);
                     assert!(overflow > 0.0 && overflow < whole);
@@ -149,7 +152,10 @@ fn tables_integrate_to_the_ledger() {
                         whole += leaves;
                     }
                     let ledger = of.ledgers[tilt * wavelengths + wavelength];
-                    assert!((whole - ledger.scattered).abs() < 1e-13, "{whole} {ledger:?}");
+                    assert!(
+                        (whole - ledger[Fraction::Scattered]).abs() < 1e-13,
+                        "{whole} {ledger:?}"
+                    );
                     assert!((albedo[wavelength] - whole).abs() < 1e-13, "{whole} {albedo:?}");
                     if estimator == Estimator::Independent {
                         assert!(ledger.residual().abs() < 1e-13, "{ledger:?}");
@@ -238,9 +244,9 @@ fn mirror_symmetry_changes_nothing() {
                 (0..2).flat_map(move |w| {
                     let (a, b) = (a.ledgers[representative * 2 + w], b.ledgers[direction * 2 + w]);
                     [
-                        a.ballistic - b.ballistic,
-                        a.scattered - b.scattered,
-                        a.absorbed - b.absorbed,
+                        a[Fraction::Ballistic] - b[Fraction::Ballistic],
+                        a[Fraction::Scattered] - b[Fraction::Scattered],
+                        a[Fraction::Absorbed] - b[Fraction::Absorbed],
                     ]
                 })
             };

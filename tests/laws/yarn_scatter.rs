@@ -5,7 +5,9 @@ use specval::geometry::Vec3;
 use specval::optics::fresnel;
 use specval::optics::{Interference, Medium, MediumSpec};
 use specval::spectrum::{Spectrum, WavelengthGrid};
-use specval::transport::{Coefficients, Cylinder, Entry, Estimate, Interior, Ledger, Purpose, Roulette, Stream, Walk};
+use specval::transport::{
+    Coefficients, Cylinder, Entry, Estimate, Fraction, Interior, Ledger, Purpose, Roulette, Stream, Walk,
+};
 use specval::yarn::{
     DirectTracer, Effort, Estimator, SurfaceGrid, Yarn, YarnResponseGrid, YarnSampler, kept_by_straight_yarn,
 };
@@ -89,7 +91,7 @@ fn traced(yarn: &Yarn, tilt: usize, [from, to]: [f64; 2], axis: f64, batch: usiz
         },
     );
     sums.iter_mut().for_each(|sum| *sum /= PATHS as f64);
-    let kept = |ledger: &Ledger| 1.0 - (ledger.reflected + ledger.ballistic) / PATHS as f64;
+    let kept = |ledger: &Ledger| 1.0 - (ledger[Fraction::Reflected] + ledger[Fraction::Ballistic]) / PATHS as f64;
     (sums, traced.ledgers.iter().map(kept).collect())
 }
 

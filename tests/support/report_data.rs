@@ -2,6 +2,7 @@
 
 use specval::compare::*;
 use specval::report::*;
+use specval::transport::Fraction;
 
 /// β of a made-up red cloth: a broad lobe about the mirror direction on a Lambert floor.
 fn beta(source: Source, channel: Channel, theta_i_deg: f64, theta_v_deg: f64) -> f64 {
@@ -85,6 +86,21 @@ pub fn table1() -> Vec<Table1Row> {
     ]
 }
 
+fn energy() -> Vec<EnergyRow> {
+    let mut rows = [EnergyRow::default(), EnergyRow::default()];
+    rows[0].wavelength_nm = 500.0;
+    rows[0].theta_in_deg = 5.0;
+    rows[0].phi_in_deg = 11.25;
+    rows[0][Fraction::Reflected].value = 0.05;
+    rows[0][Fraction::Ballistic].value = 0.25;
+    rows[0][Fraction::Scattered].value = 0.3;
+    rows[0][Fraction::Scattered].se = 1.0 / 3.0;
+    rows[0][Fraction::Absorbed].value = 0.4;
+    rows[0].residual.value = -1e-17;
+    rows[1].wavelength_nm = 600.0;
+    rows.into()
+}
+
 pub fn data() -> ReportData {
     let estimate = |value, se| Estimate {
         value,
@@ -124,24 +140,7 @@ pub fn data() -> ReportData {
             convention: "CIE 1931 2°, E, CIE RGB, no adaptation".to_owned(),
             rows: table1(),
         }],
-        energy: vec![
-            EnergyRow {
-                wavelength_nm: 500.0,
-                theta_in_deg: 5.0,
-                phi_in_deg: 11.25,
-                reflected: 0.05,
-                ballistic: 0.25,
-                scattered: 0.3,
-                scattered_se: 1.0 / 3.0,
-                absorbed: 0.4,
-                residual: -1e-17,
-                ..EnergyRow::default()
-            },
-            EnergyRow {
-                wavelength_nm: 600.0,
-                ..EnergyRow::default()
-            },
-        ],
+        energy: energy(),
         normalisation: Some(Normalisation {
             model: estimate(0.931, 0.0121),
             classical: estimate(1.0, 0.05),

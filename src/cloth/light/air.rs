@@ -1,4 +1,4 @@
-use super::{Beam, ClothBatch, ClothLedger, Detector, YarnSurface};
+use super::{Beam, ClothBatch, ClothFraction, ClothLedger, Detector, YarnSurface};
 use crate::cloth::{Cloth, Hit, System};
 use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
@@ -120,25 +120,12 @@ pub(super) struct Air<'a, D, R> {
     wavelengths: usize,
     queues: [Queue; 2],
     landed: Landed,
-    /// Sums over particles, by wavelength, in the order of [`ClothLedger::fractions`].
-    sums: Vec<[f64; ClothLedger::FRACTIONS]>,
+    /// Sums over particles, by wavelength.
+    sums: Vec<ClothLedger>,
     catching: Caught,
     survival: Survival,
     caught: Vec<Vec<f64>>,
     light_above: bool,
-}
-
-const REFLECTED: usize = 0;
-const THROUGH_YARNS: usize = 1;
-const THROUGH_GAPS: usize = 2;
-
-/// What becomes of light that goes on nowhere; the number is its place in [`ClothLedger::fractions`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kept {
-    Absorbed = 3,
-    ReflectionDropped = 4,
-    BouncesCut = 5,
-    Games = 6,
 }
 
 impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
@@ -159,7 +146,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             wavelengths,
             queues: Default::default(),
             landed: Landed::default(),
-            sums: vec![[0.0; ClothLedger::FRACTIONS]; wavelengths],
+            sums: vec![ClothLedger::default(); wavelengths],
             catching,
             survival,
             caught: vec![vec![0.0; wavelengths]; detector.bins()],
@@ -189,7 +176,10 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
                         History::NONE,
                     );
                 }
-                None => self.sums.iter_mut().for_each(|sums| sums[THROUGH_GAPS] += 1.0),
+                None => self
+                    .sums
+                    .iter_mut()
+                    .for_each(|sums| sums[ClothFraction::ThroughGaps] += 1.0),
             }
         }
     }
@@ -232,7 +222,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             } else {
                 0.0
             };
-            sums[Kept::Games as usize] += weight - goes_on;
+            sums[ClothFraction::SamplingNet] += weight - goes_on;
         }
         if survives {
             let arrival = Arrival {
@@ -248,7 +238,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
     pub fn reflect(&mut self, surface: &YarnSurface, arrival: &Arrival, weights: &[f64]) {
         let Arrival { hit, omega_in, history } = arrival;
         match surface {
-            YarnSurface::Lost => self.keep(Kept::ReflectionDropped, weights.iter().copied()),
+            YarnSurface::Lost => self.keep(ClothFraction::ReflectionDropped, weights.iter().copied()),
             YarnSurface::Smooth => {
                 let direction = hit.frame.normal * (2.0 * arrival.cos_in()) - omega_in;
                 self.launch(hit.position, direction, weights, history.through_yarn());
@@ -280,7 +270,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         let reflectance = self.backing.unwrap_or_default().iter();
         for ((weight, sums), reflectance) in weights.iter_mut().zip(&mut self.sums).zip(reflectance) {
             let back = *weight * reflectance;
-            sums[Kept::Absorbed as usize] += *weight - back;
+            sums[ClothFraction::Absorbed] += *weight - back;
             *weight = back;
         }
         let up = if self.light_above { 1.0 } else { -1.0 };
@@ -302,9 +292,9 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
 
     fn escape(&mut self, direction: &Vec3, weights: &[f64], history: History) {
         let side = if (direction.z > 0.0) == self.light_above {
-            REFLECTED
+            ClothFraction::Reflected
         } else {
-            THROUGH_YARNS
+            ClothFraction::ThroughYarns
         };
         let counted = if fault::active(Fault::ClothLoss) { 0.99 } else { 1.0 };
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
@@ -322,10 +312,10 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         });
     }
 
-    /// Counts light that goes on nowhere, at every wavelength.
-    pub fn keep(&mut self, kept: Kept, weights: impl Iterator<Item = f64>) {
+    /// Counts light that is followed no further, at every wavelength.
+    pub fn keep(&mut self, kept: ClothFraction, weights: impl Iterator<Item = f64>) {
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
-            sums[kept as usize] += weight;
+            sums[kept] += weight;
         }
     }
 
@@ -333,7 +323,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
     pub fn batch(self, particles: usize) -> ClothBatch {
         let share = 1.0 / particles as f64;
         let ledger = self.sums.iter();
-        let ledger = ledger.map(|sums| ClothLedger::from_fractions(sums.map(|sum| sum * share)));
+        let ledger = ledger.map(|sums| ClothLedger::new(|fraction| sums[fraction] * share));
         let mut caught = self.caught;
         caught.iter_mut().flatten().for_each(|sum| *sum *= share);
         ClothBatch {

@@ -1,9 +1,9 @@
-use super::air::{Air, Arrival, BackingHit, Caught, History, Kept, Survival};
+use super::air::{Air, Arrival, BackingHit, Caught, History, Survival};
 use super::outer_surface::OuterSurface;
 use super::specular::SpecularPaths;
 use super::view_paths::{Seen, Segments, ViewPaths};
 use super::yarn_to_yarn::{Parts, YarnToYarn};
-use super::{Beam, ClothBatch, ClothLedger, Detector, ViewCones, YarnSurface};
+use super::{Beam, ClothBatch, ClothFraction, ClothLedger, Detector, ViewCones, YarnSurface};
 use crate::cloth::System;
 use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
@@ -139,7 +139,7 @@ impl YarnToYarn<'_> {
                 let waiting = air.take(system);
                 for (arrival, weights) in waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths)) {
                     if arrival.history.yarns > self.most {
-                        air.keep(Kept::BouncesCut, weights.iter().copied().map(f64::from));
+                        air.keep(ClothFraction::BouncesCut, weights.iter().copied().map(f64::from));
                         continue;
                     }
                     let entry = parts.enter(outer, arrival, weights);

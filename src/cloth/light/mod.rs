@@ -25,7 +25,7 @@ pub use bounces::Bounces;
 pub use connection::Connected;
 pub use detector::{Detector, HemisphereNodes, ViewCones};
 pub use integrator::Integrator;
-pub use ledger::ClothLedger;
+pub use ledger::{ClothFraction, ClothLedger};
 pub use scene::Scene;
 pub use surface::YarnSurface;
 pub use view_paths::{Segments, ViewPaths};

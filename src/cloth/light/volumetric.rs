@@ -1,10 +1,10 @@
-use super::air::{Air, Caught, History, Kept, Queue, Survival};
-use super::{Beam, ClothBatch, Detector, Integrator, LitBatch, LitViews, Scene, YarnSurface};
+use super::air::{Air, Caught, History, Queue, Survival};
+use super::{Beam, ClothBatch, ClothFraction, Detector, Integrator, LitBatch, LitViews, Scene, YarnSurface};
 use crate::cloth::{Cloth, System};
 use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use crate::optics::fresnel;
-use crate::transport::{Entry, Interior, Ledger, Purpose, Shape, Stream, Walk};
+use crate::transport::{Entry, Fraction, Interior, Ledger, Purpose, Shape, Stream, Walk};
 use crate::yarn::{Estimator, Sharing, YarnError, YarnResponse};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
@@ -173,10 +173,16 @@ impl<'a> Volumetric<'a> {
         );
         let ledgers = traced.ledgers.iter();
         let mut air = air.borrow_mut();
-        air.keep(Kept::Absorbed, ledgers.clone().map(|ledger| ledger.absorbed));
-        air.keep(Kept::Games, ledgers.clone().map(Ledger::games));
+        air.keep(
+            ClothFraction::Absorbed,
+            ledgers.clone().map(|ledger| ledger[Fraction::Absorbed]),
+        );
+        air.keep(ClothFraction::SamplingNet, ledgers.clone().map(Ledger::sampling_net));
         if !goes_on {
-            air.keep(Kept::ReflectionDropped, ledgers.map(|ledger| ledger.reflected));
+            air.keep(
+                ClothFraction::ReflectionDropped,
+                ledgers.map(|ledger| ledger[Fraction::Reflected]),
+            );
         }
     }
 }

@@ -1,6 +1,6 @@
-use super::air::{Air, Arrival, Kept, Spread};
+use super::air::{Air, Arrival, Spread};
 use super::outer_surface::{OuterSurface, Passage};
-use super::{Detector, Scene};
+use super::{ClothFraction, Detector, Scene};
 use crate::geometry::Vec3;
 use crate::optics::fresnel::Interface;
 use crate::yarn::{Meeting, Yarn, YarnSampler};
@@ -71,11 +71,11 @@ impl YarnToYarn<'_> {
         let Some(leaving) = scatter.sample(meeting, numbers) else {
             let inside = || parts.inside.iter().zip(absorbs());
             air.keep(
-                Kept::Absorbed,
+                ClothFraction::Absorbed,
                 inside().map(|(inside, absorbs)| if absorbs { *inside } else { 0.0 }),
             );
             air.keep(
-                Kept::BouncesCut,
+                ClothFraction::BouncesCut,
                 inside().map(|(inside, absorbs)| if absorbs { 0.0 } else { *inside }),
             );
             return;
@@ -88,9 +88,12 @@ impl YarnToYarn<'_> {
         let albedo = scatter.albedo(meeting).iter().zip(absorbs());
         let kept = parts.inside.iter().zip(albedo);
         let kept = kept.map(|(inside, (albedo, absorbs))| if absorbs { inside * (1.0 - albedo) } else { 0.0 });
-        air.keep(Kept::Absorbed, kept.clone());
+        air.keep(ClothFraction::Absorbed, kept.clone());
         let light = parts.inside.iter().zip(&parts.out).zip(kept);
-        air.keep(Kept::Games, light.map(|((inside, out), kept)| inside - kept - out));
+        air.keep(
+            ClothFraction::SamplingNet,
+            light.map(|((inside, out), kept)| inside - kept - out),
+        );
         let outward = hit.frame.to_world(&leaving.normal);
         let position = self
             .scene

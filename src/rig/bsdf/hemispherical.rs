@@ -1,16 +1,16 @@
 use super::{FullBsdf, Incidence};
-use crate::cloth::light::ClothLedger;
+use crate::cloth::light::{ClothFraction, ClothLedger};
 use crate::formats::Side;
 use crate::transport::Estimate;
 use serde::Serialize;
 
 /// Fractions kept of an incidence at a wavelength: those of the ledger, then the whole transmission.
-pub(super) const QUANTITIES: usize = ClothLedger::FRACTIONS + 1;
+pub(super) const QUANTITIES: usize = ClothFraction::COUNT + 1;
 
 pub(super) fn quantities(ledger: &[ClothLedger]) -> Vec<f64> {
     let all = |ledger: &ClothLedger| {
         let mut quantities = [ledger.transmitted(); QUANTITIES];
-        quantities[..ClothLedger::FRACTIONS].copy_from_slice(&ledger.fractions());
+        quantities[..ClothFraction::COUNT].copy_from_slice(&ledger.amounts());
         quantities
     };
     ledger.iter().flat_map(all).collect()
@@ -53,7 +53,7 @@ pub struct HemisphericalRow {
 }
 
 impl Incidence {
-    /// Those of [`ClothLedger::fractions`], and all that is transmitted.
+    /// Those of [`ClothFraction`], and all that is transmitted.
     pub(super) fn fractions(&self, wavelength: usize) -> [Estimate; QUANTITIES] {
         std::array::from_fn(|k| self.ledger.estimate(wavelength * QUANTITIES + k))
     }

@@ -1,7 +1,7 @@
 use super::layout::{Array, YarnLayout};
 use crate::artefact::{ArrayInfo, ArtefactError, ElementType, Reader, Writer};
 use crate::run::YarnBatch;
-use crate::transport::Ledger;
+use crate::transport::{Fraction, Ledger};
 use crate::yarn::LengthTally;
 
 /// Arrays of one batch in a shard, in the order of [`append_batch`].
@@ -29,22 +29,16 @@ pub(super) fn ledgers(layout: &YarnLayout) -> Array {
     Array {
         unit: "fraction of the incident flux",
         axes: "traced direction, wavelength; reflected, ballistic, scattered, absorbed, roulette, sharing",
-        shape: vec![layout.incident.traced(), layout.wavelengths(), Ledger::FRACTIONS],
+        shape: vec![layout.incident.traced(), layout.wavelengths(), Fraction::COUNT],
     }
 }
 
 pub(super) fn flat(ledgers: &[Ledger]) -> impl Iterator<Item = f64> {
-    ledgers.iter().flat_map(Ledger::fractions)
+    ledgers.iter().flat_map(Ledger::amounts)
 }
 
 pub(super) fn from_flat(values: &[f64]) -> Vec<Ledger> {
-    values
-        .as_chunks()
-        .0
-        .iter()
-        .copied()
-        .map(Ledger::from_fractions)
-        .collect()
+    values.as_chunks().0.iter().copied().map(Ledger::from_amounts).collect()
 }
 
 pub(super) fn append_batch(file: &mut Writer, number: usize, batch: &YarnBatch) -> Result<(), ArtefactError> {

@@ -11,7 +11,7 @@ pub use shard::{merge_shards, trace_shard};
 use super::{RunError, YarnSums, energy_rows};
 use crate::artefact::{ElementType, Kind, Reader, Writer};
 use crate::report::EnergyRow;
-use crate::transport::BatchSums;
+use crate::transport::{BatchSums, Column, Estimate};
 use crate::yarn::LengthSums;
 use layout::{Array, parse};
 use std::path::Path;
@@ -133,10 +133,13 @@ impl YarnArtefact {
         }
         let header = serde_json::json!({ "batches": self.batches, "axes": layout.axes });
         let mut file = Writer::create(path, Kind::Artefact, &layout.identity()?, &header, &arrays)?;
-        file.append("energy", self.energy.iter().flat_map(|row| fractions(row).map(|f| f.0)))?;
+        file.append(
+            "energy",
+            self.energy.iter().flat_map(|row| columns(row).map(|of| of.value)),
+        )?;
         file.append(
             "energy_se",
-            self.energy.iter().flat_map(|row| fractions(row).map(|f| f.1)),
+            self.energy.iter().flat_map(|row| columns(row).map(|of| of.se)),
         )?;
         for (name, _, table) in tables {
             file.append(name, table.mean.iter().copied())?;
@@ -235,48 +238,31 @@ fn energy(layout: &YarnLayout) -> Array {
     Array {
         unit: "fraction of the incident flux",
         axes: "wavelength, incident direction; reflected, ballistic, scattered, absorbed, roulette, residual, sharing",
-        shape: vec![layout.wavelengths(), layout.incident.len(), 7],
+        shape: vec![layout.wavelengths(), layout.incident.len(), Column::COUNT],
     }
 }
 
-/// Each fraction of a row and its standard error.
-fn fractions(row: &EnergyRow) -> [(f64, f64); 7] {
-    [
-        (row.reflected, row.reflected_se),
-        (row.ballistic, row.ballistic_se),
-        (row.scattered, row.scattered_se),
-        (row.absorbed, row.absorbed_se),
-        (row.roulette, row.roulette_se),
-        (row.residual, row.residual_se),
-        (row.sharing, row.sharing_se),
-    ]
+/// Value and standard error of each column of a row.
+fn columns(row: &EnergyRow) -> [Estimate; Column::COUNT] {
+    Column::ALL.map(|column| row.column(column))
 }
 
 fn rows(layout: &YarnLayout, mean: &[f64], se: &[f64]) -> Vec<EnergyRow> {
     let directions = layout.axes.incident_deg.len();
-    std::iter::zip(mean.as_chunks::<7>().0, se.as_chunks::<7>().0)
+    std::iter::zip(mean.as_chunks().0, se.as_chunks().0)
         .enumerate()
-        .map(|(i, (mean, se))| {
-            let [theta_in_deg, phi_in_deg] = layout.axes.incident_deg[i % directions];
-            EnergyRow {
-                wavelength_nm: layout.axes.wavelength_nm[i / directions],
-                theta_in_deg,
-                phi_in_deg,
-                reflected: mean[0],
-                reflected_se: se[0],
-                ballistic: mean[1],
-                ballistic_se: se[1],
-                scattered: mean[2],
-                scattered_se: se[2],
-                absorbed: mean[3],
-                absorbed_se: se[3],
-                roulette: mean[4],
-                roulette_se: se[4],
-                residual: mean[5],
-                residual_se: se[5],
-                sharing: mean[6],
-                sharing_se: se[6],
-            }
-        })
+        .map(
+            |(i, (mean, se)): (usize, (&[f64; Column::COUNT], &[f64; Column::COUNT]))| {
+                let columns = std::array::from_fn(|k| Estimate {
+                    value: mean[k],
+                    se: se[k],
+                });
+                EnergyRow::new(
+                    layout.axes.wavelength_nm[i / directions],
+                    layout.axes.incident_deg[i % directions],
+                    columns,
+                )
+            },
+        )
         .collect()
 }
