@@ -1,8 +1,8 @@
 use super::{Failure, Options, Replace, Scratch, Stopping, claim, in_words, inputs_of, study};
 use serde::Serialize;
 use specval::output::{self, Place, beside, write_all};
-use specval::report::effort_line;
-use specval::run::{GrazingGain, Plan, RunError, Simulator, Stage, StateFile, Watch, grazing_gains, grazing_notice};
+use specval::report::{GrazingGain, effort_line};
+use specval::run::{Plan, RunError, Simulator, Stage, StateFile, Watch, grazing_gains, grazing_notice};
 use specval::study::MethodChoice;
 use specval::transport::Estimate;
 use specval::woven::ClothLedger;
@@ -167,7 +167,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let measured = Measured {
         brightness_factors: rows,
         grazing_gains,
-        notices,
+        notices: notices.iter().map(ToString::to_string).collect(),
     };
     terminal.result(&measured, |measured| {
         format!(

@@ -1,4 +1,6 @@
-use super::{Convention, Provenance, ReadingCount, ReportData, ReportError, SampleNote, Table1Row};
+use super::{
+    Convention, EffortNote, InputDigest, Provenance, ReadingCount, ReportData, ReportError, SampleNote, Table1Row,
+};
 use crate::compare::{HueComparison, Normalisation, Peak, Rmse, RmseRatio};
 use serde::Serialize;
 
@@ -16,7 +18,35 @@ struct Document<'a> {
     sample: &'a SampleNote,
     readings: &'a ReadingCount,
     hue: &'a Option<HueComparison>,
-    provenance: &'a Provenance,
+    provenance: Origin<'a>,
+}
+
+/// [`Provenance`] with its fallbacks and notices in words.
+#[derive(Serialize)]
+struct Origin<'a> {
+    version: &'a str,
+    command: &'a [String],
+    study: &'a serde_json::Value,
+    seed: u64,
+    inputs: &'a [InputDigest],
+    effort: &'a EffortNote,
+    fallbacks: Vec<String>,
+    notices: Vec<String>,
+}
+
+impl<'a> Origin<'a> {
+    fn of(provenance: &'a Provenance) -> Self {
+        Self {
+            version: &provenance.version,
+            command: &provenance.command,
+            study: &provenance.study,
+            seed: provenance.seed,
+            inputs: &provenance.inputs,
+            effort: &provenance.effort,
+            fallbacks: provenance.fallbacks.iter().map(ToString::to_string).collect(),
+            notices: provenance.notices.iter().map(ToString::to_string).collect(),
+        }
+    }
 }
 
 /// The JSON document of the report, indented, ending in a line feed. Numbers are the shortest that read back exactly.
@@ -33,7 +63,7 @@ pub fn report_json(data: &ReportData) -> Result<String, ReportError> {
         sample: &data.sample,
         readings: &data.readings,
         hue: &data.hue,
-        provenance: &data.provenance,
+        provenance: Origin::of(&data.provenance),
     };
     Ok(serde_json::to_string_pretty(&document)? + "\n")
 }

@@ -8,6 +8,7 @@ mod chart;
 mod graphs;
 mod json;
 mod ledger;
+mod notice;
 mod result;
 mod result_file;
 mod summary;
@@ -18,6 +19,7 @@ pub use chart::chart_font;
 pub use graphs::{Graph, graphs};
 pub use json::report_json;
 pub use ledger::{LedgerRange, ledger_notice, ledger_ranges, ledger_table};
+pub use notice::{Fallback, GrazingGain, LongPaths, Notice, RatioOf, TableRatio};
 pub use result::{
     AskedEffort, Convention, EffortNote, EnergyRow, InputDigest, PathsPerBatch, Provenance, ReachedPrecision,
     ReadingCount, ReportData, SampleNote, Table1Name, Table1Row,
@@ -39,7 +41,7 @@ pub enum ReportError {
     Csv(#[from] csv::Error),
     #[error("report.json could not be written")]
     Json(#[from] serde_json::Error),
-    #[error("{}: expected the result of a report, format version 1, found {found}; {remedy}", path.display())]
+    #[error("{}: expected the result of a report, format version 2, found {found}; {remedy}", path.display())]
     NoResult {
         path: PathBuf,
         found: String,

@@ -1,6 +1,6 @@
 //! The one plain result everything in this room is a pure function of.
 
-use super::Approximations;
+use super::{Approximations, Fallback, Notice};
 use crate::compare::{
     ColourRatios, CurvePoint, Estimate, Geometry, HueComparison, Normalisation, Peak, Rmse, RmseRatio,
 };
@@ -269,7 +269,7 @@ pub struct Provenance {
     pub inputs: Vec<InputDigest>,
     pub effort: EffortNote,
     /// Everything that was done in another way than the study asks.
-    pub fallbacks: Vec<String>,
+    pub fallbacks: Vec<Fallback>,
     /// What the reader must know, such as a range the sweep does not reach.
-    pub notices: Vec<String>,
+    pub notices: Vec<Notice>,
 }

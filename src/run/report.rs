@@ -1,6 +1,6 @@
 use super::curves::{channels, directions};
 use super::light::{LightBetween, lit_views};
-use super::readings::{NORMAL, count, incidences_of, readings};
+use super::readings::{NORMAL, count, first_incidences, readings};
 use super::{
     CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows, grazing_gains, grazing_notice,
 };
@@ -10,7 +10,9 @@ use crate::compare::{
     self, Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, HueComparison, Inputs, Propagation,
     Source, model_colour_ratios, reference,
 };
-use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
+use crate::report::{
+    self as shown, Fallback, Notice, Provenance, RatioOf, ReportData, SampleNote, Table1Name, Table1Row, TableRatio,
+};
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
 use crate::shading::{Classical, ShadingModel};
 use crate::study::{MediumSection, MethodChoice, NumberOrTable};
@@ -29,7 +31,7 @@ pub fn report(
     plan: &Plan,
     simulation: &Simulation,
     command: Vec<String>,
-    notices: Vec<String>,
+    notices: Vec<Notice>,
     progress: Progress,
 ) -> Result<ReportData, RunError> {
     let mut notices = notices;
@@ -40,43 +42,32 @@ pub fn report(
     let curves = &simulation.curves;
     let normal = normal_place(&curves.geometries);
     if normal + 1 == curves.geometries.len() && curves.geometries.len() > 1 {
-        fallbacks.push("the rig has no normal incidence and view; it was added for the model's rows of Table 1".into());
+        fallbacks.push(Fallback::NormalAdded);
     }
     if plan
         .different_yarns()
         .any(|yarn| yarn.estimator_in_use() != yarn.estimator)
     {
-        fallbacks.push(
-            "the host is dispersive: wavelengths part at the surface and cannot share paths; the independent estimator was \
-             used"
-                .into(),
-        );
+        fallbacks.push(Fallback::IndependentEstimator);
     }
     if plan.weft.is_some() {
-        notices.push("warp and weft differ: the energy ledger and the sweep are of the warp's yarn".into());
+        notices.push(Notice::WarpAndWeftDiffer);
     }
     let cloth = &plan.study.cloth;
     if cloth.method == MethodChoice::RadianceFactor
         && (cloth.warp_flattening != 1.0 || cloth.weft_flattening != 1.0 || cloth.radius_variation > 0.0)
     {
-        fallbacks.push(
-            "yarns are elliptical or of varying radius: f* is that of the round yarn of the mean radius; the volumetric method has \
-             their shape"
-                .into(),
-        );
+        fallbacks.push(Fallback::RoundYarnResponse);
     }
     if plan.study.specular.surface.is_of_yarns() {
-        fallbacks.push(
-            "the yarns shine by themselves: the model has no gloss about the cloth's normal, the classical shading has"
-                .into(),
-        );
+        fallbacks.push(Fallback::YarnsShine);
     }
     let measured = readings(plan, &curves.geometries)?;
     let model = curves.channels(&plan.colour, true);
     let white = channels(&plan.colour, &vec![1.0; plan.grid.len()]);
     let propagation = Propagation::new(&model, &measured)?;
     let mut count = count(plan, &curves.geometries, &measured, propagation.model_mean());
-    notices.extend(plan.sample.notices().iter().cloned());
+    notices.extend(plan.sample.notices().iter().cloned().map(Notice::from));
     let mut hue = None;
     let comparison = match reference(&curves.geometries, &measured).and_then(|place| Some((place, measured[place]?))) {
         Some((place, reading)) => {
@@ -101,33 +92,24 @@ pub fn report(
             Some(comparison)
         }
         None if plan.sample.published_ratios().is_some() => {
-            fallbacks.push(format!(
-                "sample {} has published ratios and no readings: no classical model, no normalisation, no verdict",
-                plan.sample.name()
-            ));
+            fallbacks.push(Fallback::PublishedRatiosAlone {
+                sample: plan.sample.name().into(),
+            });
             None
         }
         None => {
-            fallbacks.push(format!(
-                "sample {} has no reading at any geometry of the study's [rig]: nothing is compared; its incidences are {} degrees: \
-                 set `rig.incidences_deg` to these, or `rig.geometries = \"auto\"` with the built-in angles",
-                plan.sample.name(),
-                incidences_of(&plan.sample)
-            ));
+            fallbacks.push(Fallback::NothingCompared {
+                sample: plan.sample.name().into(),
+                incidences_deg: first_incidences(&plan.sample),
+            });
             None
         }
     };
-    if let Some(words) = hue.as_ref().and_then(another_cloth) {
-        notices.push(words);
-    }
+    notices.extend(hue.as_ref().and_then(another_cloth));
     if let Some(comparison) = &comparison
         && comparison.rmse_ratios.iter().any(|ratio| ratio.too_few_paths)
     {
-        notices.push(
-            "too few paths: the model's luminance is known to no better than a quarter of its value, so verdicts are withheld; take more \
-             --paths"
-                .into(),
-        );
+        notices.push(Notice::VerdictsWithheld);
     }
     let energy = energy_rows(plan.grid.nm(), &plan.incident, &simulation.ledgers);
     notices.extend(shown::ledger_notice(&energy));
@@ -157,18 +139,12 @@ pub fn report(
         });
     }
     if plan.sample.is_rgb() {
-        notices.push(
-            "the sample is RGB, not spectral: its ratios have one convention, its own, and its luminance is the study's \
-             RGB space's luminance of its RGB"
-                .into(),
-        );
+        notices.push(Notice::RgbSample);
     }
     if let Weave::Custom(_) = plan.cloth_spec.weave {
-        let draft = &plan.study.cloth.weave;
-        fallbacks.push(format!(
-            "of the draft {draft} the interlacement alone is taken: warp and weft have the study's yarns, and colours, spacings \
-             and thicknesses of the file are left out"
-        ));
+        fallbacks.push(Fallback::InterlacementAlone {
+            draft: plan.study.cloth.weave.clone(),
+        });
     }
     let comparison = comparison.as_ref();
     Ok(ReportData {
@@ -227,37 +203,26 @@ fn model_curves(
     Ok(points)
 }
 
-/// What is not as the preprint's normalisation, in words; none for normal incidence and view.
-fn of_reference(comparison: &Comparison) -> Option<String> {
-    let Geometry {
-        theta_i_deg,
-        theta_v_deg,
-    } = comparison.reference;
+/// What is not as the preprint's normalisation; none for normal incidence and view.
+fn of_reference(comparison: &Comparison) -> Option<Fallback> {
     if comparison.normalisation.is_none() {
-        return Some(
-            "the model or the sample has no light where it would be normalised: values are compared as they are".into(),
-        );
+        return Some(Fallback::NotNormalised);
     }
-    (comparison.reference != NORMAL).then(|| {
-        format!(
-            "the sample has no reading with light at normal incidence and view: normalisation, the classical shading and the sample's row \
-             of Table 1 are of the nearest one, incidence {theta_i_deg} and view {theta_v_deg} degrees"
-        )
-    })
+    let at = comparison.reference;
+    (at != NORMAL).then_some(Fallback::OtherReference { at })
 }
 
 /// That model and sample plainly differ in hue.
-fn another_cloth(hue: &HueComparison) -> Option<String> {
-    hue.plainly_different.then(|| {
-        format!(
-            "model and sample plainly differ in colour: hue {:.0} against {:.0} degrees, chroma {:.0} against {:.0} (CIE Lab at equal \
-             luminance): the verdicts compare two different cloths; give the study the sample's dye (`medium.dye`)",
-            hue.model_hue_deg, hue.measured_hue_deg, hue.model_chroma.value, hue.measured_chroma.value
-        )
+fn another_cloth(hue: &HueComparison) -> Option<Notice> {
+    hue.plainly_different.then_some(Notice::AnotherCloth {
+        model_hue_deg: hue.model_hue_deg,
+        measured_hue_deg: hue.measured_hue_deg,
+        model_chroma: hue.model_chroma.value,
+        measured_chroma: hue.measured_chroma.value,
     })
 }
 
-fn sample_note(plan: &Plan, fallbacks: &mut Vec<String>) -> SampleNote {
+fn sample_note(plan: &Plan, fallbacks: &mut Vec<Fallback>) -> SampleNote {
     let of = plan.sample.description();
     let kind = match of.kind {
         Some(Kind::Measured) => "measured",
@@ -269,7 +234,7 @@ fn sample_note(plan: &Plan, fallbacks: &mut Vec<String>) -> SampleNote {
         Uncertainty::Columns => "standard errors from its own columns".to_owned(),
         Uncertainty::Relative(share) => format!("{:.3} % standard uncertainty", share * 100.0).replace(".000", ""),
         Uncertainty::NotStated => {
-            fallbacks.push("the sample states no uncertainty: its standard errors are taken as 0".into());
+            fallbacks.push(Fallback::UncertaintyNotStated);
             "uncertainty not stated".to_owned()
         }
     };
@@ -341,7 +306,7 @@ fn orders(plan: &Plan, traced: usize) -> Result<[ColourRatios; 2], RunError> {
 fn sweep(
     plan: &Plan,
     traced: usize,
-    notices: &mut Vec<String>,
+    notices: &mut Vec<Notice>,
     progress: Progress,
 ) -> Result<Vec<ColourRatios>, RunError> {
     let base = &plan.study.medium;
@@ -371,12 +336,11 @@ fn sweep(
         _ => paths,
     };
     let effort = Effort::new(plan.study.seed, batches, paths.max(1))?;
-    notices.push(format!(
-        "sweep: {} media, each with {} paths a tilt in {} batches",
-        media.len(),
-        effort.batches * effort.paths_per_batch,
-        effort.batches
-    ));
+    notices.push(Notice::Sweep {
+        media: media.len(),
+        paths: effort.batches * effort.paths_per_batch,
+        batches: effort.batches,
+    });
     let cameras: Vec<CameraBatch> = (0..effort.batches)
         .map(|batch| CameraBatch::trace(plan, &[NORMAL], batch))
         .collect();
@@ -408,7 +372,7 @@ fn table1(
     normal: usize,
     sweep: &[ColourRatios],
     comparison: Option<&Comparison>,
-    notices: &mut Vec<String>,
+    notices: &mut Vec<Notice>,
 ) -> Result<Vec<Table1Row>, RunError> {
     let published = published_ratios()?;
     // The preprint's own ratios say nothing of a cloth of another dye.
@@ -429,21 +393,20 @@ fn table1(
             (row.blue_over_red_se, row.green_over_red_se) = (None, None);
         }
         rows.push(row);
-        notices.extend(no_ratio("the sample", &measured.ratios));
+        notices.extend(no_ratio(RatioOf::Sample, &measured.ratios));
     }
     rows.push(Table1Row::estimated(Table1Name::Model, &model));
-    notices.extend(no_ratio("the model", &model));
+    notices.extend(no_ratio(RatioOf::Model, &model));
     let with_ratio: Vec<&ColourRatios> = std::iter::once(&model)
         .chain(sweep)
         .filter(|r| !r.red_is_zero)
         .collect();
     let without = sweep.len() + 1 - with_ratio.len();
     if without > 0 {
-        notices.push(format!(
-            "{without} of the {} media of the sweep and the study have no ratio to red, which is as good as 0: they are not in the model's \
-             range",
-            sweep.len() + 1
-        ));
+        notices.push(Notice::MediaWithoutRatio {
+            without,
+            media: sweep.len() + 1,
+        });
     }
     let Some(first) = with_ratio.first() else {
         return Ok(rows);
@@ -461,54 +424,38 @@ fn table1(
     }
     rows.push(Table1Row::estimated(Table1Name::ModelLow, &low));
     rows.push(Table1Row::estimated(Table1Name::ModelHigh, &high));
-    for (name, [from, to], [low, high]) in [
-        (
-            "blue/red",
-            published.model.blue_over_red,
-            [low.blue_over_red.value, high.blue_over_red.value],
-        ),
-        (
-            "green/red",
-            published.model.green_over_red,
-            [low.green_over_red.value, high.green_over_red.value],
-        ),
-    ] {
-        let covered = if low <= from && high >= to {
-            "covers"
-        } else {
-            "does not cover"
+    if preprint {
+        let of = |ratio, ends: [f64; 2], preprint| Notice::SweepRange {
+            ratio,
+            range: ends,
+            preprint,
         };
-        if preprint {
-            notices.push(format!(
-                "the sweep's {name} range {low:.4}..{high:.4} {covered} the preprint's {from}..{to}"
-            ));
-        }
+        let blue = [low.blue_over_red.value, high.blue_over_red.value];
+        let green = [low.green_over_red.value, high.green_over_red.value];
+        notices.push(of(TableRatio::BlueOverRed, blue, published.model.blue_over_red));
+        notices.push(of(TableRatio::GreenOverRed, green, published.model.green_over_red));
     }
     Ok(rows)
 }
 
 /// What it would take to know BLUE/RED of the model well, where it is not, after so many `paths` a tilt.
-fn more_paths(paths: usize, ratios: &ColourRatios) -> Option<String> {
+fn more_paths(paths: usize, ratios: &ColourRatios) -> Option<Notice> {
     /// Relative standard error at which a ratio tells cloths apart.
     const WELL: f64 = 0.05;
-    let error = ratios.blue_over_red.se / ratios.blue_over_red.value.abs();
-    let times = (error / WELL).powi(2);
-    (!ratios.red_is_zero && error.is_finite() && times > 1.0).then(|| {
-        format!(
-            "BLUE/RED of the model has a standard error of {:.1} %: for 5 % it takes about {times:.1} times the paths of this run, {:.0} a \
-             tilt in place of {paths}, and as many times the tracing time",
-            100.0 * error,
-            paths as f64 * times
-        )
+    let relative_se = ratios.blue_over_red.se / ratios.blue_over_red.value.abs();
+    let times = (relative_se / WELL).powi(2);
+    (!ratios.red_is_zero && relative_se.is_finite() && times > 1.0).then_some(Notice::MorePaths {
+        relative_se,
+        times,
+        paths,
     })
 }
 
-/// Why there is no ratio to red.
-fn no_ratio(whose: &str, ratios: &ColourRatios) -> Option<String> {
-    ratios.red_is_zero.then(|| {
-        format!(
-            "red of {whose}, {:.2e} with standard error {:.1e}, is as good as 0 beside its other components: no ratio to it is shown",
-            ratios.red.value, ratios.red.se
-        )
+/// That there is no ratio to red.
+fn no_ratio(of: RatioOf, ratios: &ColourRatios) -> Option<Notice> {
+    ratios.red_is_zero.then_some(Notice::NoRatio {
+        of,
+        red: ratios.red.value,
+        red_se: ratios.red.se,
     })
 }

@@ -199,8 +199,12 @@ pub fn data() -> ReportData {
                     largest_error: Some(0.0098),
                 }),
             },
-            fallbacks: vec!["none asked for".to_owned()],
-            notices: vec!["the sweep stops at BLUE/RED 0.047".to_owned()],
+            fallbacks: vec![Fallback::UncertaintyNotStated],
+            notices: vec![Notice::SweepRange {
+                ratio: TableRatio::BlueOverRed,
+                range: [0.047, 0.26],
+                preprint: [0.05, 0.25],
+            }],
         },
     }
 }
