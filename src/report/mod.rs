@@ -41,6 +41,8 @@ pub enum ReportError {
     Csv(#[from] csv::Error),
     #[error("report.json could not be written")]
     Json(#[from] serde_json::Error),
+    #[error("the result names no sample: expected one or more; run its study again")]
+    NoSample,
     #[error("{}: expected the result of a report, format version 2, found {found}; {remedy}", path.display())]
     NoResult {
         path: PathBuf,

@@ -7,13 +7,13 @@ use super::{
 use crate::cloth::Weave;
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{
-    self, Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, HueComparison, Inputs, Propagation,
-    Source, model_colour_ratios, reference,
+    self, Channels, ColourRatios, Compared, Comparison, Geometry, HueComparison, Inputs, Propagation, Role, Source,
+    SourceRatios, model_colour_ratios, reference,
 };
 use crate::report::{
     self as shown, Fallback, Notice, Provenance, RatioOf, ReportData, SampleNote, Table1Name, Table1Row, TableRatio,
 };
-use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
+use crate::sample::{Kind, Uncertainty, published_ratios};
 use crate::shading::{Classical, ShadingModel};
 use crate::study::{MediumSection, MethodChoice, NumberOrTable};
 use crate::yarn::{DirectTracer, Effort, YarnResponse};
@@ -69,6 +69,22 @@ pub fn report(
     let mut count = count(plan, &curves.geometries, &measured, propagation.model_mean());
     notices.extend(plan.sample.notices().iter().cloned().map(Notice::from));
     let mut hue = None;
+    let note = sample_note(plan);
+    let label = match note.kind.as_str() {
+        "" => "measured".to_owned(),
+        kind => format!("measured ({kind})"),
+    };
+    let model_source = Source::numbered(Role::Model, 0, "model");
+    let classical_source = Source::numbered(Role::Classical, 0, "classical model");
+    let sample_source = Source::numbered(Role::Measured, 0, label);
+    let alone = || {
+        Comparison::new(&Inputs {
+            geometries: &curves.geometries,
+            models: &[Compared::new(&model_source, &model)],
+            classical: &[],
+            measured: &[],
+        })
+    };
     let comparison = match reference(&curves.geometries, &measured).and_then(|place| Some((place, measured[place]?))) {
         Some((place, reading)) => {
             let shading = Classical::new(reading.beta, plan.specular)?;
@@ -83,32 +99,30 @@ pub fn report(
             hue = compare::hue(&propagation, place, &plan.colour);
             let comparison = Comparison::new(&Inputs {
                 geometries: &curves.geometries,
-                model_batches: &model,
-                classical: &classical,
-                measured: &measured,
+                models: &[Compared::new(&model_source, &model)],
+                classical: &[Compared::new(&classical_source, &classical)],
+                measured: &[Compared::new(&sample_source, &measured)],
             })?;
-            count.normalised_at = comparison.normalisation.map(|_| comparison.reference);
+            count.normalised_at = comparison.normalisation.first().map(|coefficient| coefficient.at);
             fallbacks.extend(of_reference(&comparison));
-            Some(comparison)
+            comparison
         }
         None if plan.sample.published_ratios().is_some() => {
             fallbacks.push(Fallback::PublishedRatiosAlone {
                 sample: plan.sample.name().into(),
             });
-            None
+            alone()?
         }
         None => {
             fallbacks.push(Fallback::NothingCompared {
                 sample: plan.sample.name().into(),
                 incidences_deg: first_incidences(&plan.sample),
             });
-            None
+            alone()?
         }
     };
     notices.extend(hue.as_ref().and_then(another_cloth));
-    if let Some(comparison) = &comparison
-        && comparison.rmse_ratios.iter().any(|ratio| ratio.too_few_paths)
-    {
+    if comparison.rmse_ratios.iter().any(|ratio| ratio.too_few_paths) {
         notices.push(Notice::VerdictsWithheld);
     }
     let energy = energy_rows(plan.grid.nm(), &plan.incident, &simulation.ledgers);
@@ -119,7 +133,7 @@ pub fn report(
     ));
     let sweep = sweep(plan, simulation.effort.batches, &mut notices, progress)?;
     let orders = orders(plan, simulation.effort.batches)?;
-    let mut table1 = table1(plan, curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
+    let mut table1 = table1(plan, curves, normal, &sweep, &comparison, &mut notices)?;
     for (name, ratios) in [Table1Name::ModelDirect, Table1Name::ModelAllBounces]
         .into_iter()
         .zip(&orders)
@@ -146,22 +160,22 @@ pub fn report(
             draft: plan.study.cloth.weave.clone(),
         });
     }
-    let comparison = comparison.as_ref();
+    if plan.sample.uncertainty() == Uncertainty::NotStated {
+        fallbacks.push(Fallback::UncertaintyNotStated);
+    }
     Ok(ReportData {
         wavelengths_nm: plan.grid.nm().to_vec(),
         colour_convention: plan.colour.convention().to_string(),
-        curves: match comparison {
-            Some(comparison) => comparison.curves.clone(),
-            None => model_curves(curves, &model, &measured)?,
-        },
+        sources: comparison.sources,
+        curves: comparison.curves,
         table1,
         conventions,
         energy,
-        normalisation: comparison.and_then(|c| c.normalisation),
-        rmse: comparison.map(|c| c.rmse.clone()).unwrap_or_default(),
-        peaks: comparison.map(|c| c.peaks.clone()).unwrap_or_default(),
-        rmse_ratios: comparison.map(|c| c.rmse_ratios.clone()).unwrap_or_default(),
-        sample: sample_note(plan, &mut fallbacks),
+        normalisation: comparison.normalisation,
+        rmse: comparison.rmse,
+        peaks: comparison.peaks,
+        rmse_ratios: comparison.rmse_ratios,
+        samples: vec![note],
         readings: count,
         hue,
         approximations: None,
@@ -178,38 +192,13 @@ pub fn report(
     })
 }
 
-/// The model's own curves, not normalised, for want of a measurement.
-fn model_curves(
-    curves: &SpectralCurves,
-    model: &[Vec<Channels>],
-    measured: &[Option<Reading>],
-) -> Result<Vec<CurvePoint>, RunError> {
-    let propagation = Propagation::new(model, measured)?;
-    let mut points = Vec::new();
-    for channel in Channel::ALL {
-        for (j, geometry) in curves.geometries.iter().enumerate() {
-            let beta = propagation.estimate(|model, _| model[j][channel as usize]);
-            points.push(CurvePoint {
-                theta_i_deg: geometry.theta_i_deg,
-                theta_v_deg: geometry.theta_v_deg,
-                source: Source::Model,
-                channel,
-                beta: beta.value,
-                se: beta.se,
-                interpolated: false,
-            });
-        }
-    }
-    Ok(points)
-}
-
 /// What is not as the preprint's normalisation; none for normal incidence and view.
 fn of_reference(comparison: &Comparison) -> Option<Fallback> {
-    if comparison.normalisation.is_none() {
+    if comparison.normalisation.is_empty() {
         return Some(Fallback::NotNormalised);
     }
-    let at = comparison.reference;
-    (at != NORMAL).then_some(Fallback::OtherReference { at })
+    let at = comparison.references.first().copied();
+    at.filter(|at| *at != NORMAL).map(|at| Fallback::OtherReference { at })
 }
 
 /// That model and sample plainly differ in hue.
@@ -222,7 +211,7 @@ fn another_cloth(hue: &HueComparison) -> Option<Notice> {
     })
 }
 
-fn sample_note(plan: &Plan, fallbacks: &mut Vec<Fallback>) -> SampleNote {
+fn sample_note(plan: &Plan) -> SampleNote {
     let of = plan.sample.description();
     let kind = match of.kind {
         Some(Kind::Measured) => "measured",
@@ -233,10 +222,7 @@ fn sample_note(plan: &Plan, fallbacks: &mut Vec<Fallback>) -> SampleNote {
     let uncertainty = match plan.sample.uncertainty() {
         Uncertainty::Columns => "standard errors from its own columns".to_owned(),
         Uncertainty::Relative(share) => format!("{:.3} % standard uncertainty", share * 100.0).replace(".000", ""),
-        Uncertainty::NotStated => {
-            fallbacks.push(Fallback::UncertaintyNotStated);
-            "uncertainty not stated".to_owned()
-        }
+        Uncertainty::NotStated => "uncertainty not stated".to_owned(),
     };
     let colour = of
         .colour
@@ -244,6 +230,7 @@ fn sample_note(plan: &Plan, fallbacks: &mut Vec<Fallback>) -> SampleNote {
         .map(|words| format!("; {words}"))
         .unwrap_or_default();
     SampleNote {
+        id: Role::Measured.id().into(),
         name: of.name.clone(),
         kind: kind.into(),
         source: of.source.clone(),
@@ -371,7 +358,7 @@ fn table1(
     curves: &SpectralCurves,
     normal: usize,
     sweep: &[ColourRatios],
-    comparison: Option<&Comparison>,
+    comparison: &Comparison,
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<Table1Row>, RunError> {
     let published = published_ratios()?;
@@ -386,7 +373,8 @@ fn table1(
             published.real.green_over_red[0],
         ));
     }
-    let measured = comparison.and_then(|c| c.colour_ratios.iter().find(|r| r.source == Source::Measured));
+    let is_measured = |ratios: &&SourceRatios| ratios.source == Role::Measured.id();
+    let measured = comparison.colour_ratios.iter().find(is_measured);
     if let Some(measured) = measured {
         let mut row = Table1Row::estimated(Table1Name::Measured, &measured.ratios);
         if plan.sample.uncertainty() == Uncertainty::NotStated {

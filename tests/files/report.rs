@@ -25,7 +25,7 @@ fn headers_are_the_fixed_names_and_agree_with_the_rows() {
             curves_csv(&data).unwrap(),
             "theta_i_deg,theta_v_deg,source,channel,beta,se",
             3 * 27 * 3 * 4,
-            serde_json::to_value(data.curves[0]).unwrap(),
+            serde_json::to_value(&data.curves[0]).unwrap(),
         ),
         (
             energy_csv(&data).unwrap(),
