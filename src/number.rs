@@ -22,6 +22,24 @@ pub fn shown(value: f64) -> String {
     }
 }
 
+/// A time as people say it, to two digits.
+pub fn time_in_words(seconds: f64) -> String {
+    const UNITS: [(f64, &str); 4] = [
+        (31_557_600.0, "years"),
+        (86_400.0, "days"),
+        (3600.0, "h"),
+        (60.0, "min"),
+    ];
+    let fits = UNITS.iter().find(|(size, _)| seconds >= 2.0 * size);
+    let (size, unit) = fits.copied().unwrap_or((1.0, "s"));
+    format!("about {} {unit}", shown(to_two_digits(seconds / size)))
+}
+
+/// The number rounded to two significant digits.
+pub fn to_two_digits(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
+}
+
 /// Reads a number of a JSON document, which writes one that is not known as null.
 pub fn nan_from_null<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     let value: Option<f64> = serde::Deserialize::deserialize(deserializer)?;

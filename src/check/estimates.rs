@@ -2,7 +2,7 @@
 
 use super::gate::{Gate, Law, Place, estimates};
 use super::{CheckError, Context};
-use crate::compare::{Comparison, Geometry, Inputs, Propagation};
+use crate::compare::{Comparison, Geometry, Propagation};
 use crate::run::{RunError, SpectralCurves};
 use crate::sample::Reading;
 use crate::transport::{BatchSums, Estimate, Ledger};
@@ -75,17 +75,16 @@ const NORMAL: Geometry = Geometry {
 pub fn normalisation(context: &Context) -> Result<Gate, CheckError> {
     const LUMINANCE: usize = 3;
     let (model, classical, measured) = ([0.9, 0.2, 0.1, 0.4], [0.5, 0.7, 0.3, 0.6], [0.3, 0.25, 0.2, 0.26]);
-    let comparison = Comparison::new(&Inputs {
-        geometries: &[NORMAL],
-        model_batches: &[vec![model], vec![model]],
-        classical: &[classical],
-        measured: &[Some(Reading::independent(measured, [0.01; 4]))],
-    })
+    let comparison = Comparison::of_one_each(
+        &[NORMAL],
+        &[vec![model], vec![model]],
+        &[classical],
+        &[Some(Reading::independent(measured, [0.01; 4]))],
+    )
     .map_err(RunError::from)?;
     // No coefficient at all breaks the law as a wrong one does.
-    let coefficients = comparison
-        .normalisation
-        .map_or([f64::NAN; 2], |n| [n.model.value, n.classical.value]);
+    let found: Vec<f64> = comparison.normalisation.iter().map(|of| of.factor.value).collect();
+    let coefficients = if found.is_empty() { vec![f64::NAN; 2] } else { found };
     let departures: Vec<f64> = std::iter::zip(coefficients, [model, classical])
         .map(|(coefficient, source)| coefficient * source[LUMINANCE] / measured[LUMINANCE] - 1.0)
         .collect();

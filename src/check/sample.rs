@@ -179,7 +179,7 @@ impl<'a> Curves<'a> {
     /// What the reader said of units, signs and values.
     fn units(&self) -> Gate {
         let gate = Gate::undecided(UNITS);
-        let notices = self.sample.notices();
+        let notices: Vec<String> = self.sample.notices().iter().map(ToString::to_string).collect();
         match self.sample.implausible() {
             true => gate.with_note(notices.join("; ")),
             false => Gate {

@@ -157,12 +157,12 @@ fn named(file: SpectraFile) -> Result<Spectra, Failure> {
     for (name, samples) in file.spectra {
         // A title may have been wrapped by a spreadsheet.
         let name = name.replace('\n', " ");
-        let notices = plausibility::reflectances(&name, samples.values())?;
+        let doubts = plausibility::reflectances(&name, samples.values())?;
         all.push(Spectrum {
             name,
             geometry: None,
             values: samples.values().to_vec(),
-            notices,
+            notices: doubts.iter().map(ToString::to_string).collect(),
         });
     }
     Ok(Spectra {
@@ -194,7 +194,7 @@ fn readings(path: &Path, chosen: Chosen) -> Result<Spectra, Failure> {
             notices: Vec::new(),
         });
     }
-    let notices = sample.notices().to_vec();
+    let notices = sample.notices().iter().map(ToString::to_string).collect();
     Ok(Spectra {
         grid,
         all,

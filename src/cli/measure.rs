@@ -3,8 +3,8 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use specval::cloth::light::{ClothFraction, ClothLedger};
 use specval::output::{self, Place, beside, write_all};
-use specval::report::effort_line;
-use specval::run::{GrazingGain, RunError, Simulator, Stage, StateFile, Watch, grazing_gains, grazing_notice};
+use specval::report::{GrazingGain, effort_line};
+use specval::run::{RunError, Simulator, Stage, StateFile, Watch, grazing_gains, grazing_notice};
 use specval::study::MethodChoice;
 use specval::transport::{Estimate, FractionList};
 use std::path::PathBuf;
@@ -169,7 +169,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let measured = Measured {
         brightness_factors: rows,
         grazing_gains,
-        notices,
+        notices: notices.iter().map(ToString::to_string).collect(),
     };
     terminal.result(&measured, |measured| {
         format!(

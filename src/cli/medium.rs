@@ -28,6 +28,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     for notice in &notices {
         terminal.notice(notice);
     }
+    let notices = notices.iter().map(ToString::to_string).collect();
     let medium = specval::run::medium(&study)?;
     let coefficients = Coefficients {
         wavelength_nm: medium.grid().nm().to_vec(),

@@ -14,6 +14,7 @@ pub mod measure;
 pub mod medium;
 pub mod merge;
 pub mod mie;
+mod notice;
 mod numbers;
 mod outputs;
 pub mod reabsorb;
@@ -47,8 +48,8 @@ pub struct TypedCommand {
 }
 
 impl TypedCommand {
-    /// The command line, and what to tell of an old spelling in it: `measure --full` is `bsdf`.
-    pub fn typed() -> (Self, Option<&'static str>) {
+    /// The command line, and the notice of an old spelling in it: `measure --full` is `bsdf`.
+    pub fn typed() -> (Self, Option<notice::RunNotice>) {
         let mut arguments: Vec<OsString> = std::env::args_os().collect();
         let place = |arguments: &[OsString], word: &str| arguments.iter().position(|argument| argument == word);
         let old = place(&arguments, "measure").zip(place(&arguments, "--full"));
@@ -56,7 +57,7 @@ impl TypedCommand {
             arguments[command] = "bsdf".into();
             arguments.remove(option);
         }
-        let notice = old.map(|_| "`measure --full` is now the command `bsdf`");
+        let notice = old.map(|_| notice::RunNotice::OldCommand);
         (Self::parse_from(arguments), notice)
     }
 }

@@ -1,8 +1,9 @@
 use super::inspect::Chosen;
+use super::notice::RunNotice;
 use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, inputs_of, recorded_command, study};
 use specval::formats::Scatter;
 use specval::output::ReportFolder;
-use specval::report::{ReportData, file_names, read_result, render, report_json, summary};
+use specval::report::{Notice, ReportData, file_names, read_result, render, report_json, summary};
 use specval::run::{self, Simulator, Stage, StateFile, Watch};
 use specval::study::Study;
 use std::path::{Path, PathBuf};
@@ -69,7 +70,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let mut notices = Vec::new();
     if arguments.quick {
         quicken(&mut study);
-        notices.push("--quick: paths and camera rays are reduced; `study` holds the numbers that were used".into());
+        notices.push(Notice::Quick);
     }
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     if arguments.chosen.scatter == Some(Scatter::Transmission) {
@@ -130,10 +131,9 @@ fn again(result: &Path, arguments: &Arguments, options: &Options, terminal: &Ter
 
 fn write(data: &ReportData, folder: &ReportFolder, terminal: &Terminal) -> Result<(), Failure> {
     for name in folder.write(&render(data)?)? {
-        terminal.notice(&format!(
-            "{}: of the earlier report in this folder, removed",
-            in_words(folder.path().join(name))
-        ));
+        terminal.notice(RunNotice::Removed {
+            path: folder.path().join(name),
+        });
     }
     Ok(())
 }

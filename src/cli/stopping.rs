@@ -1,6 +1,8 @@
 //! When a long run stops, and how it goes on after a kill.
 
+use super::notice::RunNotice;
 use super::{Failure, Options, Terminal, in_words};
+use specval::report::Notice;
 use specval::run::{
     self, Plan, Precision, RunError, Schedule, Simulation, Simulator, Stage, StateFile, StopRule, Watch,
 };
@@ -39,18 +41,14 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The plan with batches small enough for the time allowed, and what to tell of it.
-    pub fn split(&self, plan: Plan, stage: Stage) -> Result<(Plan, Option<String>), RunError> {
+    /// The plan with batches small enough for the time allowed, and the notice of them.
+    pub fn split(&self, plan: Plan, stage: Stage) -> Result<(Plan, Option<Notice>), RunError> {
         let Some(limit) = self.max_time else {
             return Ok((plan, None));
         };
         let (plan, parts) = plan.split_for(limit, stage)?;
-        let notice = (parts > 1).then(|| {
-            format!(
-                "--max-time: {} batches of 1/{parts} of the study's size each, so that the time can be kept",
-                plan.study.trace.batches
-            )
-        });
+        let batches = plan.study.trace.batches;
+        let notice = (parts > 1).then_some(Notice::SmallerBatches { batches, parts });
         Ok((plan, notice))
     }
 
@@ -60,10 +58,10 @@ impl Limits {
 
     /// Tells after how many batches a run that is resumed goes on.
     pub fn notice_resumed(&self, state: &Path, batches: Option<usize>, terminal: &Terminal) {
-        let path = state.display();
-        terminal.notice(&match batches {
-            Some(batches) => format!("{path}: goes on after {batches} batches"),
-            None => format!("{path}: no state to go on from; the run starts from its beginning"),
+        let state = state.to_owned();
+        terminal.notice(match batches {
+            Some(batches) => RunNotice::Resumed { state, batches },
+            None => RunNotice::NoState { state },
         });
     }
 }

@@ -3,6 +3,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::collections::HashSet;
 use std::error::Error;
+use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
@@ -88,8 +89,9 @@ impl Terminal {
     }
 
     /// Tells on stderr what the user should know of a run, and nothing of its result; the same words once.
-    pub fn notice(&self, text: &str) {
-        let first = self.told.lock().is_ok_and(|mut told| told.insert(text.to_owned()));
+    pub fn notice(&self, notice: impl Display) {
+        let text = notice.to_string();
+        let first = self.told.lock().is_ok_and(|mut told| told.insert(text.clone()));
         if first && !self.quiet {
             // With stderr closed there is no one left to tell.
             let _ = writeln!(io::stderr(), "notice: {text}");

@@ -1,3 +1,5 @@
+use super::SourceId;
+
 /// Why there is nothing to compare.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CompareError {
@@ -17,4 +19,6 @@ pub enum CompareError {
     },
     #[error("nothing of the sample was measured at the rig's geometries: expected one reading or more")]
     NoReading,
+    #[error("sources: expected a different id for each, found {id} twice; rename one of them")]
+    SameId { id: SourceId },
 }

@@ -3,13 +3,23 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use crate::fault::{self, Fault};
 
 use super::propagation::{Channels, Estimate, Propagation, check};
-use super::{Channel, CompareError, Geometry, Inputs, RmseRatio, Source, Verdict};
+use super::{Channel, CompareError, Compared, Geometry, Inputs, RmseRatio, SourceId, Verdict};
 use crate::sample::Reading;
 
-/// Functions of (model mean, measured) that [`Propagation`] turns into estimates.
+/// Which values a function of (model mean, measured) takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Slot {
+    /// The mean of the model that the errors are propagated of.
+    Model,
+    /// A classical shading by its place.
+    Classical(usize),
+    Measured,
+}
+
+/// Functions of (model mean, measured) that [`Propagation`] turns into estimates: of all sources beside one sample.
 pub(super) struct Curves<'a> {
     geometries: &'a [Geometry],
-    classical: &'a [Channels],
+    classical: Vec<&'a [Channels]>,
     /// Which reading exists; the values come with every call.
     measured: Vec<bool>,
     reference: usize,
@@ -17,26 +27,43 @@ pub(super) struct Curves<'a> {
 }
 
 impl<'a> Curves<'a> {
-    pub(super) fn new(inputs: &Inputs<'a>, model_mean: &[Channels]) -> Result<Self, CompareError> {
+    /// Without a sample nothing is normalised. `model_means` are those of the inputs' models.
+    pub(super) fn new(
+        inputs: &Inputs<'a>,
+        model_means: &[&[Channels]],
+        sample: Option<&Compared<'a, Option<Reading>>>,
+    ) -> Result<Self, CompareError> {
         let count = inputs.geometries.len();
-        check("classical", inputs.classical, count)?;
-        if inputs.measured.len() != count {
+        for shading in inputs.classical {
+            check(shading.source.id.as_str(), shading.values, count)?;
+        }
+        let classical: Vec<&[Channels]> = inputs.classical.iter().map(|shading| shading.values).collect();
+        let Some(sample) = sample else {
+            return Ok(Self {
+                geometries: inputs.geometries,
+                classical,
+                measured: vec![false; count],
+                reference: 0,
+                normalised: false,
+            });
+        };
+        if sample.values.len() != count {
             return Err(CompareError::Length {
-                what: "measured".into(),
+                what: sample.source.id.to_string(),
                 expected: count,
-                found: inputs.measured.len(),
+                found: sample.values.len(),
             });
         }
-        let reference = reference(inputs.geometries, inputs.measured).ok_or(CompareError::NoReading)?;
+        let reference = reference(inputs.geometries, sample.values).ok_or(CompareError::NoReading)?;
         let y = Channel::Y as usize;
-        let measured = inputs.measured[reference].map_or(0.0, |reading| reading.beta[y]);
-        let luminances = [measured, model_mean[reference][y], inputs.classical[reference][y]];
+        let measured = sample.values[reference].map_or(0.0, |reading| reading.beta[y]);
+        let others = model_means.iter().chain(&classical);
         Ok(Self {
             geometries: inputs.geometries,
-            classical: inputs.classical,
-            measured: inputs.measured.iter().map(Option::is_some).collect(),
+            normalised: measured > 0.0 && others.into_iter().all(|values| values[reference][y] > 0.0),
+            classical,
+            measured: sample.values.iter().map(Option::is_some).collect(),
             reference,
-            normalised: luminances.iter().all(|luminance| *luminance > 0.0),
         })
     }
 
@@ -69,60 +96,53 @@ impl<'a> Curves<'a> {
     }
 
     /// measured/source luminance at the reference; 1 for the measurement itself and where nothing is normalised.
-    pub(super) fn coefficient(&self, source: Source, model: &[Channels], measured: &[Option<Channels>]) -> f64 {
+    pub(super) fn coefficient(&self, slot: Slot, model: &[Channels], measured: &[Option<Channels>]) -> f64 {
         let channel = if fault::active(Fault::NormalisedByRed) {
             Channel::R
         } else {
             Channel::Y
         };
-        let raw = |source| self.raw(source, self.reference, channel, model, measured);
-        match source {
-            Source::Measured => 1.0,
+        let raw = |slot| self.raw(slot, self.reference, channel, model, measured);
+        match slot {
+            Slot::Measured => 1.0,
             _ if !self.normalised => 1.0,
-            _ => raw(Source::Measured) / raw(source),
+            _ => raw(Slot::Measured) / raw(slot),
         }
     }
 
     /// Normalised β.
     pub(super) fn value(
         &self,
-        source: Source,
+        slot: Slot,
         j: usize,
         channel: Channel,
         model: &[Channels],
         measured: &[Option<Channels>],
     ) -> f64 {
-        self.coefficient(source, model, measured) * self.raw(source, j, channel, model, measured)
+        self.coefficient(slot, model, measured) * self.raw(slot, j, channel, model, measured)
     }
 
-    fn raw(
-        &self,
-        source: Source,
-        j: usize,
-        channel: Channel,
-        model: &[Channels],
-        measured: &[Option<Channels>],
-    ) -> f64 {
+    fn raw(&self, slot: Slot, j: usize, channel: Channel, model: &[Channels], measured: &[Option<Channels>]) -> f64 {
         let c = channel as usize;
-        match source {
-            Source::Model => model[j][c],
-            Source::Classical => self.classical[j][c],
-            Source::Measured => measured[j].map_or(f64::NAN, |beta| beta[c]),
+        match slot {
+            Slot::Model => model[j][c],
+            Slot::Classical(place) => self.classical[place][j][c],
+            Slot::Measured => measured[j].map_or(f64::NAN, |beta| beta[c]),
         }
     }
 
     pub(super) fn rmse(
         &self,
-        source: Source,
+        slot: Slot,
         channel: Channel,
         views: &[usize],
         model: &[Channels],
         measured: &[Option<Channels>],
     ) -> f64 {
-        let coefficient = self.coefficient(source, model, measured);
+        let coefficient = self.coefficient(slot, model, measured);
         let square = |&j: &usize| {
-            let value = coefficient * self.raw(source, j, channel, model, measured);
-            (value - self.raw(Source::Measured, j, channel, model, measured)).powi(2)
+            let value = coefficient * self.raw(slot, j, channel, model, measured);
+            (value - self.raw(Slot::Measured, j, channel, model, measured)).powi(2)
         };
         (views.iter().map(square).sum::<f64>() / views.len() as f64).sqrt()
     }
@@ -130,7 +150,7 @@ impl<'a> Curves<'a> {
     pub(super) fn mean_measured(&self, channel: Channel, views: &[usize], measured: &[Option<Channels>]) -> f64 {
         let sum: f64 = views
             .iter()
-            .map(|&j| self.raw(Source::Measured, j, channel, &[], measured))
+            .map(|&j| self.raw(Slot::Measured, j, channel, &[], measured))
             .sum();
         sum / views.len() as f64
     }
@@ -185,6 +205,7 @@ pub(super) fn ratio_of(
     theta_i_deg: f64,
     channel: Channel,
     model_error: f64,
+    [model, classical, sample]: [&SourceId; 3],
 ) -> RmseRatio {
     let too_few_paths = model_error.is_nan() || model_error > LARGEST_MODEL_ERROR;
     let half = t_quantile(log, propagation.batches()) * log.se;
@@ -193,6 +214,9 @@ pub(super) fn ratio_of(
     RmseRatio {
         theta_i_deg,
         channel,
+        model: model.clone(),
+        classical: classical.clone(),
+        sample: sample.clone(),
         ratio: log.value.exp(),
         interval: defined.then_some(interval),
         too_few_paths,

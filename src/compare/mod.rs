@@ -1,5 +1,4 @@
-//! Model and classical shading against the measurement: curves, errors, colour ratios, each with its standard error,
-//! and a verdict.
+//! Models and classical shadings against samples: curves, errors, colour ratios, each with its standard error, and verdicts.
 
 mod comparison;
 mod error;
@@ -7,6 +6,7 @@ mod hue;
 mod metrics;
 mod propagation;
 mod result;
+mod source;
 
 pub use crate::rig::Geometry;
 pub use comparison::model_colour_ratios;
@@ -15,6 +15,8 @@ pub use hue::{HueComparison, hue};
 pub use metrics::reference;
 pub use propagation::{Channels, Estimate, Propagation};
 pub use result::{
-    Channel, ColourRatios, Comparison, CurvePoint, Inputs, Normalisation, Peak, Rmse, RmseRatio, Source, SourceRatios,
+    Channel, Coefficient, ColourRatios, Compared, Comparison, CurvePoint, Inputs, Peak, Rmse, RmseRatio, SourceRatios,
     Verdict,
 };
+pub use source::{Role, Source, SourceId};
+pub(crate) use source::{first_sample, is_first_sample};

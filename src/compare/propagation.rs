@@ -49,18 +49,7 @@ impl Propagation {
         for (index, batch) in batches.iter().enumerate() {
             check(&format!("model batch {index}"), batch, measured.len())?;
         }
-        for (index, reading) in measured.iter().enumerate() {
-            if let Some(reading) = reading {
-                let values = [reading.beta.as_slice(), reading.covariance.as_flattened()].concat();
-                if values.iter().any(|v| !v.is_finite()) {
-                    return Err(CompareError::NotFinite {
-                        what: "measured".into(),
-                        index,
-                        found: values,
-                    });
-                }
-            }
-        }
+        check_readings(measured)?;
         let mean_without = |left_out: Option<usize>| -> Vec<Channels> {
             let count = (batches.len() - usize::from(left_out.is_some())) as f64;
             let mut mean = vec![[0.0; 4]; measured.len()];
@@ -79,6 +68,19 @@ impl Propagation {
         })
     }
 
+    /// Of the measurement's errors alone.
+    ///
+    /// # Errors
+    /// A reading that is not finite.
+    pub fn of_readings(measured: &[Option<Reading>]) -> Result<Self, CompareError> {
+        check_readings(measured)?;
+        Ok(Self {
+            model_mean: Vec::new(),
+            leave_one_out: Vec::new(),
+            measured: measured.to_vec(),
+        })
+    }
+
     pub fn model_mean(&self) -> &[Channels] {
         &self.model_mean
     }
@@ -88,7 +90,7 @@ impl Propagation {
         self.measured.iter().map(|r| r.map(|r| r.beta)).collect()
     }
 
-    /// Number of batches, at least 2.
+    /// Number of batches, at least 2; none without a model.
     pub fn batches(&self) -> usize {
         self.leave_one_out.len()
     }
@@ -100,7 +102,13 @@ impl Propagation {
         let replicates: Vec<f64> = self.leave_one_out.iter().map(|model| f(model, &measured)).collect();
         let count = replicates.len() as f64;
         let mean = replicates.iter().sum::<f64>() / count;
-        let monte_carlo = (count - 1.0) / count * replicates.iter().map(|r| (r - mean).powi(2)).sum::<f64>();
+        let (monte_carlo, bias) = match replicates.is_empty() {
+            true => (0.0, 0.0),
+            false => (
+                (count - 1.0) / count * replicates.iter().map(|r| (r - mean).powi(2)).sum::<f64>(),
+                (count - 1.0) * (mean - value),
+            ),
+        };
         let mut measurement = 0.0;
         for (j, reading) in self.measured.iter().enumerate() {
             let Some(reading) = reading else { continue };
@@ -122,11 +130,26 @@ impl Propagation {
         Estimate {
             value,
             se: (monte_carlo + measurement).sqrt(),
-            bias_monte_carlo: (count - 1.0) * (mean - value),
+            bias_monte_carlo: bias,
             se_monte_carlo: monte_carlo.sqrt(),
             se_measurement: measurement.sqrt(),
         }
     }
+}
+
+fn check_readings(measured: &[Option<Reading>]) -> Result<(), CompareError> {
+    for (index, reading) in measured.iter().enumerate() {
+        let Some(reading) = reading else { continue };
+        let values = [reading.beta.as_slice(), reading.covariance.as_flattened()].concat();
+        if values.iter().any(|v| !v.is_finite()) {
+            return Err(CompareError::NotFinite {
+                what: "measured".into(),
+                index,
+                found: values,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// As many finite values as there are geometries.

@@ -1,18 +1,11 @@
 //! What a comparison takes and what it says.
 
-use super::{Channels, Estimate};
+use super::source::{first_classical, first_model, first_sample, is_first_classical, is_first_model, is_first_sample};
+use super::{Channels, Estimate, Source, SourceId};
 use crate::number::nan_from_null;
 use crate::rig::Geometry;
 use crate::sample::Reading;
 use serde::{Deserialize, Serialize};
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Source {
-    Model,
-    Classical,
-    Measured,
-}
 
 /// Linear red, green, blue and luminance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,32 +21,49 @@ impl Channel {
     pub const ALL: [Self; 4] = [Self::R, Self::G, Self::B, Self::Y];
 }
 
-/// Brightness factors β to compare; the lists run along `geometries`. At least one was measured.
-#[derive(Clone, Copy, Debug)]
-pub struct Inputs<'a> {
-    pub geometries: &'a [Geometry],
-    /// Independent Monte Carlo batches of equal weight, two or more; the model's value is their mean.
-    pub model_batches: &'a [Vec<Channels>],
-    /// Free of Monte Carlo error.
-    pub classical: &'a [Channels],
-    /// `None` where nothing was measured.
-    pub measured: &'a [Option<Reading>],
+/// A source and its brightness factors β along the geometries of [`Inputs`].
+#[derive(Clone, Debug)]
+pub struct Compared<'a, T> {
+    pub source: &'a Source,
+    pub values: &'a [T],
 }
 
-/// measured/model luminance at the reading nearest to normal incidence and view, one scalar a source; a perfect model has 1.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Normalisation {
-    pub model: Estimate,
-    pub classical: Estimate,
+impl<'a, T> Compared<'a, T> {
+    pub fn new(source: &'a Source, values: &'a [T]) -> Self {
+        Self { source, values }
+    }
+}
+
+/// What there is to compare.
+#[derive(Clone, Debug)]
+pub struct Inputs<'a> {
+    pub geometries: &'a [Geometry],
+    /// Independent Monte Carlo batches of equal weight, two or more; a model's value is their mean. Models err independently.
+    pub models: &'a [Compared<'a, Vec<Channels>>],
+    /// Free of Monte Carlo error.
+    pub classical: &'a [Compared<'a, Channels>],
+    /// `None` where nothing was measured.
+    pub measured: &'a [Compared<'a, Option<Reading>>],
+}
+
+/// measured/source luminance at the sample's reading nearest to normal incidence and view; a perfect model has 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Coefficient {
+    pub source: SourceId,
+    pub sample: SourceId,
+    /// Of that reading.
+    pub at: Geometry,
+    #[serde(flatten)]
+    pub factor: Estimate,
 }
 
 /// β of one source at one geometry, multiplied by the source's normalisation coefficient. The standard error of model
 /// and classical values includes that of the coefficient, hence of the measured luminance at the normal.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
     pub theta_i_deg: f64,
     pub theta_v_deg: f64,
-    pub source: Source,
+    pub source: SourceId,
     pub channel: Channel,
     #[serde(deserialize_with = "nan_from_null")]
     pub beta: f64,
@@ -65,10 +75,10 @@ pub struct CurvePoint {
 
 /// Departure of a normalised source from the measurement over the views of one incidence. Measurement noise of
 /// relative size s adds to it: it does not fall below s for a perfect model.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rmse {
     pub theta_i_deg: f64,
-    pub source: Source,
+    pub source: SourceId,
     pub channel: Channel,
     /// Root of the mean squared difference in β.
     #[serde(flatten)]
@@ -77,18 +87,24 @@ pub struct Rmse {
     pub relative: Option<Estimate>,
     /// Views that were measured.
     pub views: usize,
+    /// With which it is compared; left out where that is the first.
+    #[serde(default = "first_sample", skip_serializing_if = "is_first_sample")]
+    pub sample: SourceId,
 }
 
 /// View angle in degrees at which a curve is highest, by the parabola through its highest value and the two beside.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     pub theta_i_deg: f64,
-    pub source: Source,
+    pub source: SourceId,
     pub channel: Channel,
     /// `None` for a flat curve, which has no peak.
     pub angle_deg: Option<Estimate>,
     /// The highest value is at the first or last view: the curve may rise further outside.
     pub at_edge: bool,
+    /// With which it is compared; left out where that is the first.
+    #[serde(default = "first_sample", skip_serializing_if = "is_first_sample")]
+    pub sample: SourceId,
 }
 
 /// How the model does beside classical shading.
@@ -104,10 +120,17 @@ pub enum Verdict {
 
 /// RMSE(classical)/RMSE(model), above 1 where the model is nearer to the measurement. The Monte Carlo noise in the
 /// model's mean square is taken off first, so the ratio may lie a little above that of the two [`Rmse`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RmseRatio {
     pub theta_i_deg: f64,
     pub channel: Channel,
+    /// Each is left out where it is the first of its kind.
+    #[serde(default = "first_model", skip_serializing_if = "is_first_model")]
+    pub model: SourceId,
+    #[serde(default = "first_classical", skip_serializing_if = "is_first_classical")]
+    pub classical: SourceId,
+    #[serde(default = "first_sample", skip_serializing_if = "is_first_sample")]
+    pub sample: SourceId,
     #[serde(deserialize_with = "nan_from_null")]
     pub ratio: f64,
     /// 95 % interval, symmetric in the logarithm, Student's t with the effective degrees of freedom of the batches
@@ -131,20 +154,27 @@ pub struct ColourRatios {
     pub red_is_zero: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SourceRatios {
-    pub source: Source,
+    pub source: SourceId,
+    /// At whose reference.
+    #[serde(default = "first_sample", skip_serializing_if = "is_first_sample")]
+    pub sample: SourceId,
     #[serde(flatten)]
     pub ratios: ColourRatios,
 }
 
-/// All that the report says of model, classical shading and measurement.
+/// All that the report says of models, classical shadings and samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
-    /// `None` where a source has no light at the reference: then all values are absolute.
-    pub normalisation: Option<Normalisation>,
-    /// The measured geometry nearest to normal incidence and view: of normalisation and colour ratios.
-    pub reference: Geometry,
+    /// Models, classical shadings and samples, in the order of the inputs.
+    pub sources: Vec<Source>,
+    /// Of models and classical shadings to each sample; none of a sample where a source has no light at the reference: then all
+    /// values beside it are absolute.
+    pub normalisation: Vec<Coefficient>,
+    /// Of each sample the measured geometry nearest to normal incidence and view: of its normalisation and its colour ratios.
+    pub references: Vec<Geometry>,
+    /// Normalised to the first sample.
     pub curves: Vec<CurvePoint>,
     pub rmse: Vec<Rmse>,
     pub peaks: Vec<Peak>,

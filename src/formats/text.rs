@@ -309,6 +309,8 @@ impl Readings {
     /// As [`plausibility::below_zero`], with the place of the lowest value.
     pub(crate) fn judged(&self) -> Result<Option<String>, (usize, [String; 3])> {
         let judged = plausibility::below_zero("scattering", self.lowest, self.highest, self.negative);
-        judged.map_err(|words| (self.at, words))
+        judged
+            .map(|doubt| doubt.map(|doubt| doubt.to_string()))
+            .map_err(|words| (self.at, words))
     }
 }

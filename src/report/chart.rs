@@ -1,8 +1,8 @@
 //! The drawing of one graph: R in a large panel, G and B beside it on their own ordinates.
 
 use super::ReportData;
-use super::tables::{channel_name, where_normalised, with_error};
-use crate::compare::{Channel, CurvePoint, Source};
+use super::tables::{channel_name, with_error, words_of};
+use crate::compare::{Channel, CurvePoint, Role, Source, SourceId};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::BoldPoints;
 use plotters::coord::types::RangedCoordf64;
@@ -43,7 +43,8 @@ const TICK_PX: i32 = 19;
 pub(super) struct Figure<'a> {
     pub number: usize,
     pub theta_i_deg: f64,
-    pub sources: &'static [Source],
+    /// Roles of the sources that it shows, in the order in which they are drawn and named.
+    pub roles: &'static [Role],
     pub data: &'a ReportData,
 }
 
@@ -62,26 +63,28 @@ struct Look {
     band_opacity: f64,
 }
 
-fn look(source: Source) -> Look {
-    match source {
-        Source::Model => Look {
-            colour: RGBColor(20, 70, 160),
-            dash: None,
-            width: 3,
-            band_opacity: 0.30,
-        },
-        Source::Measured => Look {
-            colour: RGBColor(25, 25, 25),
-            dash: Some((12, 7)),
-            width: 2,
-            band_opacity: 0.16,
-        },
-        Source::Classical => Look {
-            colour: RGBColor(205, 85, 0),
-            dash: Some((3, 5)),
-            width: 3,
-            band_opacity: 0.22,
-        },
+/// Strokes and gaps of sources after the first of a role.
+const DASHES: [Option<(i32, i32)>; 4] = [None, Some((12, 7)), Some((3, 5)), Some((16, 4))];
+
+/// Look of source number `place` of a role, from 0. The first of each role has the role's own colour and line; later ones take the
+/// next shade and the next pattern of dashes.
+fn look(role: Role, place: usize) -> Look {
+    let (shades, first_dash, width, band_opacity) = match role {
+        Role::Model => (
+            [(20, 70, 160), (0, 135, 150), (105, 60, 170), (70, 120, 40)],
+            0,
+            3,
+            0.30,
+        ),
+        Role::Measured => ([(25, 25, 25), (120, 120, 120), (95, 70, 55), (60, 85, 90)], 1, 2, 0.16),
+        Role::Classical => ([(205, 85, 0), (190, 30, 60), (170, 125, 0), (200, 70, 150)], 2, 3, 0.22),
+    };
+    let (red, green, blue) = shades[place % shades.len()];
+    Look {
+        colour: RGBColor(red, green, blue),
+        dash: DASHES[(first_dash + place) % DASHES.len()],
+        width,
+        band_opacity,
     }
 }
 
@@ -92,41 +95,56 @@ fn finite(se: f64) -> f64 {
 
 impl Figure<'_> {
     /// One curve in order of view angle; points that are not numbers are left out.
-    fn curve(&self, source: Source, channel: Channel) -> Vec<&CurvePoint> {
+    fn curve(&self, source: &Source, channel: Channel) -> Vec<&CurvePoint> {
         let mut points: Vec<_> = self
             .data
             .curves
             .iter()
-            .filter(|p| p.theta_i_deg == self.theta_i_deg && p.source == source && p.channel == channel)
+            .filter(|p| p.theta_i_deg == self.theta_i_deg && p.source == source.id && p.channel == channel)
             .filter(|p| p.theta_v_deg.is_finite() && p.beta.is_finite())
             .collect();
         points.sort_by(|a, b| a.theta_v_deg.total_cmp(&b.theta_v_deg));
         points
     }
 
-    /// The sources that have a curve here.
-    fn present(&self) -> Vec<Source> {
-        let has = |source: Source| {
+    /// The figure's sources, each with its look.
+    fn sources(&self) -> impl Iterator<Item = (&Source, Look)> {
+        let of = |&role: &Role| {
+            let sources = self.data.sources_of(role).enumerate();
+            sources.map(move |(place, source)| (source, look(role, place)))
+        };
+        self.roles.iter().flat_map(of)
+    }
+
+    /// Those of them that have a curve here.
+    fn present(&self) -> Vec<(&Source, Look)> {
+        let has = |source: &Source| {
             [Channel::R, Channel::G, Channel::B]
                 .into_iter()
                 .any(|channel| !self.curve(source, channel).is_empty())
         };
-        self.sources.iter().copied().filter(|&source| has(source)).collect()
+        self.sources().filter(|(source, _)| has(source)).collect()
     }
 
     fn title(&self) -> String {
-        let names: Vec<&str> = self
-            .present()
-            .into_iter()
-            .map(|source| match source {
-                Source::Model => "model",
-                Source::Measured => "measured cloth",
-                Source::Classical => "classical model",
-            })
-            .collect();
+        let present = self.present();
+        let name = |&role: &Role| {
+            let count = present.iter().filter(|(source, _)| source.role == role).count();
+            let one = match role {
+                Role::Model => "model",
+                Role::Measured => "measured cloth",
+                Role::Classical => "classical model",
+            };
+            match count {
+                0 => None,
+                1 => Some(one.to_owned()),
+                _ => Some(format!("{count} {one}s")),
+            }
+        };
+        let names: Vec<String> = self.roles.iter().filter_map(name).collect();
         let names = match names.split_last() {
             None => "no curves".to_owned(),
-            Some((last, [])) => (*last).to_owned(),
+            Some((last, [])) => last.clone(),
             Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
         };
         format!(
@@ -135,37 +153,29 @@ impl Figure<'_> {
         )
     }
 
-    fn legend(&self, source: Source) -> String {
-        match source {
-            Source::Model => "model".to_owned(),
-            Source::Measured if self.data.sample.kind.is_empty() => "measured".to_owned(),
-            Source::Measured => format!("measured ({})", self.data.sample.kind),
-            Source::Classical => "classical model".to_owned(),
-        }
-    }
-
     fn caption(&self) -> Vec<String> {
         let present = self.present();
-        let sample = &self.data.sample;
+        let shown = |id: &SourceId| present.iter().any(|(source, _)| source.id == *id);
         let mut sentences = Vec::new();
-        if present.contains(&Source::Measured) {
+        let samples: Vec<_> = self.data.samples.iter().filter(|sample| shown(&sample.id)).collect();
+        for sample in &samples {
             sentences.push(format!("Sample: {} ({}). {}", sample.name, sample.kind, sample.caption));
-        } else if self.data.readings.total > 0 {
+        }
+        if samples.is_empty() && self.data.readings.total > 0 {
             sentences.push("No measured curve: the sample has no reading at this incidence.".to_owned());
         }
-        if let Some(normalisation) = &self.data.normalisation {
-            let factors: Vec<String> = [
-                (Source::Model, "model", normalisation.model),
-                (Source::Classical, "classical", normalisation.classical),
-            ]
-            .iter()
-            .filter(|(source, ..)| present.contains(source))
-            .map(|(_, name, factor)| format!("{name} × {}", with_error(factor.value, factor.se)))
-            .collect();
+        // Curves are normalised to the first sample.
+        let first = self.data.samples.first().map(|sample| &sample.id);
+        let coefficients = || self.data.normalisation.iter().filter(|of| Some(&of.sample) == first);
+        if let Some(at) = coefficients().next().map(|of| of.at) {
+            let factors: Vec<String> = coefficients()
+                .filter(|of| shown(&of.source))
+                .map(|of| format!("{} × {}", of.source, with_error(of.factor.value, of.factor.se)))
+                .collect();
             sentences.push(format!(
                 "Normalisation: {} (measured luminance divided by its own, at {}; a perfect model has 1).",
                 factors.join(", "),
-                where_normalised(self.data)
+                words_of(&at)
             ));
         }
         sentences.push(format!(
@@ -180,7 +190,7 @@ impl Figure<'_> {
         let angles = self
             .present()
             .into_iter()
-            .flat_map(|source| [Channel::R, Channel::G, Channel::B].map(|channel| (source, channel)))
+            .flat_map(|(source, _)| [Channel::R, Channel::G, Channel::B].map(|channel| (source, channel)))
             .flat_map(|(source, channel)| self.curve(source, channel));
         let (low, high) = angles.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
             (low.min(point.theta_v_deg), high.max(point.theta_v_deg))
@@ -196,7 +206,7 @@ impl Figure<'_> {
     /// Ordinates of one panel: 0 and every band lie inside, with room for the labels of the light above.
     fn ordinate_range(&self, channel: Channel) -> Range<f64> {
         let (mut low, mut high) = (0.0_f64, 0.0_f64);
-        for &source in self.sources {
+        for (source, _) in self.sources() {
             for point in self.curve(source, channel) {
                 let se = finite(point.se);
                 low = low.min(point.beta - se);
@@ -255,10 +265,8 @@ fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure, width: i32)
         x += needed;
         Ok(here)
     };
-    for source in figure.present() {
-        let label = figure.legend(source);
-        let (x, y) = place(&label, SAMPLE + 10)?;
-        let look = look(source);
+    for (source, look) in figure.present() {
+        let (x, y) = place(&source.label, SAMPLE + 10)?;
         let band = look.colour.mix(look.band_opacity).filled();
         root.draw(&Rectangle::new([at(x, y), at(x + SAMPLE, y + 20)], band))?;
         let ends = [at(x, y + 10), at(x + SAMPLE, y + 10)];
@@ -272,7 +280,7 @@ fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure, width: i32)
                 }
             }
         }
-        root.draw_text(&label, &style, at(x + SAMPLE + 10, y + 2))?;
+        root.draw_text(&source.label, &style, at(x + SAMPLE + 10, y + 2))?;
     }
     let label = "bands: ±1 standard error (sample: standard uncertainty)";
     let (x, y) = place(label, 0)?;
@@ -328,9 +336,8 @@ fn draw_panel<DB: DrawingBackend>(
     }
 
     let curves: Vec<_> = figure
-        .sources
-        .iter()
-        .map(|&s| (figure.curve(s, channel), look(s)))
+        .sources()
+        .map(|(source, look)| (figure.curve(source, channel), look))
         .collect();
     // No band may hide a line.
     for (points, look) in &curves {

@@ -1,6 +1,6 @@
 use super::chart::{self, Figure};
 use super::{ReportData, ReportError};
-use crate::compare::Source;
+use crate::compare::Role;
 use plotters::prelude::*;
 
 /// Width and height of a graph, px.
@@ -23,22 +23,22 @@ pub fn graphs(data: &ReportData) -> Vec<Graph<'_>> {
     let shown = data
         .curves
         .iter()
-        .filter(|point| !sampled || point.source == Source::Measured);
+        .filter(|point| !sampled || data.sample(&point.source).is_some());
     let mut incidences: Vec<f64> = shown.map(|point| point.theta_i_deg).collect();
     incidences.sort_by(f64::total_cmp);
     incidences.dedup();
-    let sets: [&'static [Source]; 2] = [
-        &[Source::Model, Source::Measured],
-        &[Source::Model, Source::Measured, Source::Classical],
+    let sets: [&'static [Role]; 2] = [
+        &[Role::Model, Role::Measured],
+        &[Role::Model, Role::Measured, Role::Classical],
     ];
     sets.iter()
-        .flat_map(|&sources| incidences.iter().map(move |&theta_i_deg| (sources, theta_i_deg)))
+        .flat_map(|&roles| incidences.iter().map(move |&theta_i_deg| (roles, theta_i_deg)))
         .enumerate()
-        .map(|(index, (sources, theta_i_deg))| Graph {
+        .map(|(index, (roles, theta_i_deg))| Graph {
             figure: Figure {
                 number: index + 1,
                 theta_i_deg,
-                sources,
+                roles,
                 data,
             },
         })

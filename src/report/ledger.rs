@@ -1,5 +1,5 @@
-use super::EnergyRow;
 use super::tables::rounded;
+use super::{EnergyRow, Notice};
 use crate::transport::{Column, Fraction};
 use serde::Serialize;
 use std::fmt::Write;
@@ -30,19 +30,18 @@ pub fn ledger_ranges(rows: &[EnergyRow]) -> Vec<LedgerRange> {
     Column::ALL.into_iter().map(range).collect()
 }
 
-/// A notice if fractions of the ledger lie outside 0 to 1, which noise alone can cause.
-pub fn ledger_notice(rows: &[EnergyRow]) -> Option<String> {
+/// The notice of a ledger with fractions beyond 0 to 1, which noise alone can do.
+pub fn ledger_notice(rows: &[EnergyRow]) -> Option<Notice> {
     // Beyond rounding.
     let beyond = |value: f64| !(-1e-6..=1.0 + 1e-6).contains(&value);
     let noisy = [Fraction::Ballistic, Fraction::Scattered, Fraction::Absorbed];
     let is_noise = |row: &&EnergyRow| noisy.into_iter().any(|fraction| beyond(row[fraction].value));
     match rows.iter().filter(is_noise).count() {
         0 => None,
-        noisy => Some(format!(
-            "too few paths: fractions of the energy ledger beyond 0 to 1 in {noisy} of {} rows, see their standard errors; more \
-             paths (`trace.paths_bssrdf`, or --paths) narrow them",
-            rows.len()
-        )),
+        noisy => Some(Notice::LedgerNoise {
+            noisy,
+            rows: rows.len(),
+        }),
     }
 }
 

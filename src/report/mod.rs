@@ -9,6 +9,7 @@ mod energy_row;
 mod graphs;
 mod json;
 mod ledger;
+mod notice;
 mod result;
 mod result_file;
 mod summary;
@@ -20,6 +21,7 @@ pub use energy_row::EnergyRow;
 pub use graphs::{Graph, graphs};
 pub use json::report_json;
 pub use ledger::{LedgerRange, ledger_notice, ledger_ranges, ledger_table};
+pub use notice::{Fallback, GrazingGain, LongPaths, Notice, RatioOf, TableRatio};
 pub use result::{
     AskedEffort, Convention, EffortNote, InputDigest, PathsPerBatch, Provenance, ReachedPrecision, ReadingCount,
     ReportData, SampleNote, Table1Name, Table1Row,
@@ -41,7 +43,9 @@ pub enum ReportError {
     Csv(#[from] csv::Error),
     #[error("report.json could not be written")]
     Json(#[from] serde_json::Error),
-    #[error("{}: expected the result of a report, format version 1, found {found}; {remedy}", path.display())]
+    #[error("the result names no sample: expected one or more; run its study again")]
+    NoSample,
+    #[error("{}: expected the result of a report, format version 2, found {found}; {remedy}", path.display())]
     NoResult {
         path: PathBuf,
         found: String,

@@ -1,9 +1,11 @@
 //! The one plain result everything in this room is a pure function of.
 
-use super::{Approximations, EnergyRow};
+use super::{Approximations, EnergyRow, Fallback, Notice};
 use crate::compare::{
-    ColourRatios, CurvePoint, Estimate, Geometry, HueComparison, Normalisation, Peak, Rmse, RmseRatio,
+    Coefficient, ColourRatios, CurvePoint, Estimate, Geometry, HueComparison, Peak, Rmse, RmseRatio, Role, Source,
+    SourceId,
 };
+use crate::compare::{first_sample, is_first_sample};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -14,26 +16,41 @@ pub struct ReportData {
     pub wavelengths_nm: Vec<f64>,
     /// The convention the curves and `table1` are in, in words: observer, illuminant, RGB space, adaptation.
     pub colour_convention: String,
+    /// Models, classical shadings and samples; curves, errors and the other lists name them by their ids.
+    pub sources: Vec<Source>,
     pub curves: Vec<CurvePoint>,
     pub table1: Vec<Table1Row>,
     /// The same ratios under every other convention.
     pub conventions: Vec<Convention>,
     pub energy: Vec<EnergyRow>,
-    /// `None` without a measured sample, and then nothing is normalised.
-    pub normalisation: Option<Normalisation>,
+    /// None without a measured sample, and then nothing is normalised. Curves have the first sample's.
+    pub normalisation: Vec<Coefficient>,
     /// Against the measured sample, in brightness factors and relative to its mean.
     pub rmse: Vec<Rmse>,
     pub peaks: Vec<Peak>,
     /// RMSE(classical)/RMSE(model).
     pub rmse_ratios: Vec<RmseRatio>,
-    pub sample: SampleNote,
-    /// What became of every reading of the sample.
+    /// What the samples are, the first sample first; one at least.
+    pub samples: Vec<SampleNote>,
+    /// What became of every reading of the first sample.
     pub readings: ReadingCount,
-    /// Hue of model and sample at the geometry of normalisation; `None` without a comparison.
+    /// Hue of the first model and the first sample at the geometry of normalisation; `None` without a comparison.
     pub hue: Option<HueComparison>,
     /// `None` where the ways to follow light in the cloth were not compared.
     pub approximations: Option<Approximations>,
     pub provenance: Provenance,
+}
+
+impl ReportData {
+    /// The sources of a role, in order.
+    pub fn sources_of(&self, role: Role) -> impl Iterator<Item = &Source> {
+        self.sources.iter().filter(move |source| source.role == role)
+    }
+
+    /// What the sample of this id is; `None` of other sources.
+    pub fn sample(&self, id: &SourceId) -> Option<&SampleNote> {
+        self.samples.iter().find(|sample| sample.id == *id)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -140,8 +157,11 @@ impl ReadingCount {
 }
 
 /// What the sample is, in words that go below every graph and table it appears in.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SampleNote {
+    /// Left out of files where it is the first sample's.
+    #[serde(default = "first_sample", skip_serializing_if = "is_first_sample")]
+    pub id: SourceId,
     pub name: String,
     /// "measured", "fit of a measurement", "synthetic".
     pub kind: String,
@@ -228,7 +248,7 @@ pub struct Provenance {
     pub inputs: Vec<InputDigest>,
     pub effort: EffortNote,
     /// Everything that was done in another way than the study asks.
-    pub fallbacks: Vec<String>,
+    pub fallbacks: Vec<Fallback>,
     /// What the reader must know, such as a range the sweep does not reach.
-    pub notices: Vec<String>,
+    pub notices: Vec<Notice>,
 }

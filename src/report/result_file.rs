@@ -11,7 +11,7 @@ pub const RESULT: &str = "result.json";
 
 const FORMAT: &str = "specval result";
 /// Rises with every change after which an older program would read the file wrong.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Bytes of the largest file that is read: forty times the default study's.
 const MOST_BYTES: u64 = 128 << 20;
 

@@ -1,6 +1,6 @@
-use super::tables::{channel_name, elsewhere, place, rounded, where_normalised, with_error};
+use super::tables::{channel_name, elsewhere, place, rounded, with_error, words_of};
 use super::{EffortNote, ReportData, Table1Name, ledger_table};
-use crate::compare::{Channel, Rmse, RmseRatio, Source, Verdict};
+use crate::compare::{Channel, Rmse, RmseRatio, Role, Source, SourceId, Verdict};
 use std::fmt::Write;
 
 /// What the terminal shows after a report: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every
@@ -12,11 +12,14 @@ pub fn summary(data: &ReportData) -> String {
     if !data.energy.is_empty() {
         let _ = write!(text, "\n{}", ledger_table(&data.energy));
     }
-    let _ = writeln!(
-        text,
-        "\nsample: {} ({}). {}",
-        data.sample.name, data.sample.kind, data.sample.caption
-    );
+    for (place, sample) in data.samples.iter().enumerate() {
+        let before = if place == 0 { "\n" } else { "" };
+        let _ = writeln!(
+            text,
+            "{before}sample: {} ({}). {}",
+            sample.name, sample.kind, sample.caption
+        );
+    }
     if let Some(line) = readings_line(data) {
         let _ = writeln!(text, "{line}");
     }
@@ -154,22 +157,39 @@ fn table1(text: &mut String, data: &ReportData) {
 }
 
 fn comparison(text: &mut String, data: &ReportData) {
-    if let Some(normalisation) = &data.normalisation {
-        for (name, factor) in [("model", normalisation.model), ("classical", normalisation.classical)] {
-            let _ = writeln!(
-                text,
-                "{name} multiplied by {} (measured/{name} luminance at {})",
-                with_error(factor.value, factor.se),
-                where_normalised(data)
-            );
-        }
+    for coefficient in &data.normalisation {
+        let (source, sample) = (&coefficient.source, &coefficient.sample);
+        let _ = writeln!(
+            text,
+            "{source} multiplied by {} ({sample}/{source} luminance at {})",
+            with_error(coefficient.factor.value, coefficient.factor.se),
+            words_of(&coefficient.at)
+        );
     }
     if data.rmse.is_empty() {
         return;
     }
+    for sample in data.sources_of(Role::Measured) {
+        for model in data.sources_of(Role::Model) {
+            for classical in data.sources_of(Role::Classical) {
+                errors(text, data, [model, classical, sample]);
+            }
+        }
+    }
+}
+
+/// RMSE and verdicts of one model beside one classical shading and one sample.
+fn errors(text: &mut String, data: &ReportData, [model, classical, sample]: [&Source; 3]) {
+    let several = [Role::Model, Role::Classical, Role::Measured]
+        .into_iter()
+        .any(|role| data.sources_of(role).count() > 1);
+    let title = match several {
+        true => format!("\n{} and {} against {}:", model.id, classical.id, sample.id),
+        false => String::new(),
+    };
     let _ = writeln!(
         text,
-        "\n{:<10} {:>7} {:>18} {:>18}   the model against the classical shading",
+        "{title}\n{:<10} {:>7} {:>18} {:>18}   the model against the classical shading",
         "incidence", "channel", "RMSE model", "RMSE classical"
     );
     if data.hue.is_some_and(|hue| hue.plainly_different) {
@@ -178,24 +198,26 @@ fn comparison(text: &mut String, data: &ReportData) {
             "model and sample plainly differ in colour: these verdicts compare two different cloths"
         );
     }
-    for model in data.rmse.iter().filter(|metric| metric.source == Source::Model) {
-        let here = |theta_i_deg: f64, channel: Channel| theta_i_deg == model.theta_i_deg && channel == model.channel;
-        let classical = data
-            .rmse
-            .iter()
-            .find(|metric| metric.source == Source::Classical && here(metric.theta_i_deg, metric.channel));
-        let ratio = data
-            .rmse_ratios
-            .iter()
-            .find(|ratio| here(ratio.theta_i_deg, ratio.channel));
+    let of = |source: &SourceId| {
+        let (source, sample) = (source.clone(), &sample.id);
+        let metrics = data.rmse.iter();
+        metrics.filter(move |metric| metric.source == source && metric.sample == *sample)
+    };
+    for metric in of(&model.id) {
+        let here = |theta_i_deg: f64, channel: Channel| theta_i_deg == metric.theta_i_deg && channel == metric.channel;
+        let beside = of(&classical.id).find(|metric| here(metric.theta_i_deg, metric.channel));
+        let ratio = data.rmse_ratios.iter().find(|ratio| {
+            here(ratio.theta_i_deg, ratio.channel)
+                && [&ratio.model, &ratio.classical, &ratio.sample] == [&model.id, &classical.id, &sample.id]
+        });
         let error = |rmse: &Rmse| with_error(rmse.rmse.value, rmse.rmse.se);
         let _ = writeln!(
             text,
             "{:>8}° {:>7} {:>18} {:>18}   {}",
-            model.theta_i_deg,
-            channel_name(model.channel),
-            error(model),
-            classical.map_or_else(|| "–".to_owned(), error),
+            metric.theta_i_deg,
+            channel_name(metric.channel),
+            error(metric),
+            beside.map_or_else(|| "–".to_owned(), error),
             ratio.map(verdict).unwrap_or_default()
         );
     }

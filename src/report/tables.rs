@@ -1,6 +1,6 @@
 use super::result::known_error;
 use super::{Approximations, EnergyRow, ReportData, ReportError, Table1Name, Table1Row};
-use crate::compare::{Channel, Geometry, Source};
+use crate::compare::{Channel, Geometry};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -25,9 +25,10 @@ pub fn curves_csv(data: &ReportData) -> Result<Vec<u8>, ReportError> {
         .iter()
         .map(|p| {
             let known = |value: f64| Some(value).filter(|value| value.is_finite());
-            let unstated = p.source == Source::Measured && !data.sample.uncertainty_stated && p.se == 0.0;
+            let sample = data.sample(&p.source);
+            let unstated = sample.is_some_and(|sample| !sample.uncertainty_stated) && p.se == 0.0;
             let se = known_error(p.beta, p.se).filter(|_| !unstated);
-            (p.theta_i_deg, p.theta_v_deg, p.source, p.channel, known(p.beta), se)
+            (p.theta_i_deg, p.theta_v_deg, &p.source, p.channel, known(p.beta), se)
         })
         .collect();
     csv_of(
@@ -114,7 +115,6 @@ pub fn table1_markdown(data: &ReportData) -> String {
             let _ = writeln!(text, "- {notice}");
         }
     }
-    let sample = &data.sample;
     let at = elsewhere(data).map_or_else(String::new, |at| {
         format!(
             " At incidence {}° and view {}°, the reading nearest to normal incidence and view; the model's rows are of these.",
@@ -126,15 +126,21 @@ pub fn table1_markdown(data: &ReportData) -> String {
         "\n[^published]: Red cotton of Voloboy, Galaktionov, Lobalzo, Keldysh Institute preprint 63 (2008), Table 1. \
          The RGB space and the white of the published ratios are not stated there."
     );
-    let _ = writeln!(
-        text,
-        "[^sample]: {}, kind: {}. {} Source: {}. Licence: {}.{at}",
-        sample.name,
-        sample.kind,
-        sample.caption,
-        sample.source.trim_end_matches('.'),
-        sample.licence.trim_end_matches('.')
-    );
+    for (place, sample) in data.samples.iter().enumerate() {
+        let (mark, at) = match place {
+            0 => ("sample".to_owned(), at.as_str()),
+            _ => (sample.id.to_string(), ""),
+        };
+        let _ = writeln!(
+            text,
+            "[^{mark}]: {}, kind: {}. {} Source: {}. Licence: {}.{at}",
+            sample.name,
+            sample.kind,
+            sample.caption,
+            sample.source.trim_end_matches('.'),
+            sample.licence.trim_end_matches('.')
+        );
+    }
     text += "[^orders]: The same yarn, with a part of the paths: light that goes on from yarn to yarn is left out, as in the \
              preprint, or followed to its end.\n";
     text += "[^range]: Lowest and highest ratio over the study's parameter sweep; \"model\" is at the study's own parameters.\n";
@@ -191,12 +197,12 @@ pub(super) fn place(at: &Geometry) -> String {
     format!("{}/{}", at.theta_i_deg, at.theta_v_deg)
 }
 
-/// Where the comparison is normalised, in words.
-pub(super) fn where_normalised(data: &ReportData) -> String {
-    elsewhere(data).map_or_else(
-        || "normal light and view".to_owned(),
-        |at| format!("incidence {}° and view {}°", at.theta_i_deg, at.theta_v_deg),
-    )
+/// Where a source is normalised, in words.
+pub(super) fn words_of(at: &Geometry) -> String {
+    match (at.theta_i_deg, at.theta_v_deg) {
+        (0.0, 0.0) => "normal light and view".to_owned(),
+        (theta_i_deg, theta_v_deg) => format!("incidence {theta_i_deg}° and view {theta_v_deg}°"),
+    }
 }
 
 /// A value and its standard error to the two leading digits of the error: 0.931 ± 0.012. A dash stands for what is not known.

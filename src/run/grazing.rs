@@ -1,12 +1,12 @@
 use super::Plan;
 use crate::geometry::Vec3;
+use crate::report::{GrazingGain, Notice};
 use crate::rig::{PixelSamples, RigError, omega_in, view_cell};
 use crate::study::MethodChoice;
 use crate::transport::{Purpose, Stream};
 use crate::yarn::{ResponseWeights, WeightTally, YarnResponse};
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
-use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
 /// Strata of the hemisphere of views, even in cos²θ and azimuth, and of the cell, a side.
@@ -72,14 +72,6 @@ pub fn white_albedo(plan: &Plan, theta_i_deg: f64) -> Result<f64, RigError> {
     Ok(sides.iter().sum())
 }
 
-/// An incidence of which shading with f* gains energy.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct GrazingGain {
-    pub theta_i_deg: f64,
-    /// Above 1: see [`white_albedo`].
-    pub white_albedo: f64,
-}
-
 /// Incidences of which [`white_albedo`] exceeds 1, where the study shades with f*.
 ///
 /// # Errors
@@ -101,14 +93,7 @@ pub fn grazing_gains(plan: &Plan) -> Result<Vec<GrazingGain>, RigError> {
     Ok(all.filter(|gain| gain.white_albedo > 1.0).collect())
 }
 
-/// What the user of a result should know of them.
-pub fn grazing_notice(gains: &[GrazingGain]) -> Option<String> {
-    let at = |gain: &GrazingGain| format!("{} deg (factor {:.2})", gain.theta_i_deg, gain.white_albedo);
-    (!gains.is_empty()).then(|| {
-        format!(
-            "shading with f* gains energy at grazing incidence: a white cloth would send out more light than falls on it at {}; \
-             brightness factors there are too high, method = \"volumetric\" in [cloth] has no such limit",
-            gains.iter().map(at).collect::<Vec<_>>().join(", ")
-        )
-    })
+/// The notice of these gains, if there are any.
+pub fn grazing_notice(gains: &[GrazingGain]) -> Option<Notice> {
+    (!gains.is_empty()).then(|| Notice::GrazingGain { gains: gains.to_vec() })
 }

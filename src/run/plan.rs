@@ -1,4 +1,4 @@
-use super::{RunError, Stage, cloth_keys};
+use super::{RunError, cloth_keys};
 use crate::cloth::light::{Scene, YarnSurface};
 use crate::cloth::{CentreLineKind, Cloth, ClothSpec, Weave};
 use crate::colour::{ColourSystem, Convention};
@@ -8,10 +8,10 @@ use crate::report::InputDigest;
 use crate::rig::{BeamsOfRig, Direct, Geometry, PixelSamples, Rig};
 use crate::sample::{Chosen, Sample};
 use crate::shading::{Distribution, FibreGloss, ShadingError, Specular};
-use crate::spectrum::{Samples, Spectrum, WavelengthGrid, plausibility, read_spectrum, tables};
+use crate::spectrum::{Samples, Spectrum, WavelengthGrid, read_spectrum, tables};
 use crate::study::{
     CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable,
-    SpecularSection, Study, StudyError, SurfaceChoice, TraceSection,
+    SpecularSection, Study, SurfaceChoice, TraceSection,
 };
 use crate::transport::{Cylinder, Roulette};
 use crate::weave::WeaveDraft;
@@ -111,45 +111,6 @@ impl Plan {
             grid,
             study,
         })
-    }
-
-    /// What makes numbers of this study doubtful whatever is done with them, for the user.
-    pub fn notices(&self) -> Vec<String> {
-        let mut notices = study_notices(&self.study);
-        notices.extend(self.long_paths());
-        notices
-    }
-
-    /// The same before the work, and how long that will be.
-    ///
-    /// # Errors
-    /// As [`Plan::work_notice`].
-    pub fn notices_before(&self, stage: Stage) -> Result<Vec<String>, StudyError> {
-        let mut notices = study_notices(&self.study);
-        notices.extend(self.work_notice(stage)?);
-        Ok(notices)
-    }
-
-    /// What makes the colours of model and sample doubtful, for the user; what needs no colour needs none of it.
-    ///
-    /// # Errors
-    /// Wavelengths of the study or of the sample that carry no colour.
-    pub fn colour_notices(&self) -> Result<Vec<String>, RunError> {
-        self.colour.require()?;
-        let mut notices = Vec::new();
-        if let Some(why) = self.colour.doubt() {
-            notices.push(format!(
-                "the model's colours are doubtful: the study has few wavelengths for them: {why}; take [spectrum] 390..730 nm in \
-                 steps of 10 nm"
-            ));
-        }
-        if let Some(why) = self.sample.colour_doubt(self.colour.convention())? {
-            notices.push(format!(
-                "the measured colours, and those of the classical shading made from them, are doubtful: {why}; measure 400..700 nm \
-                 in steps of 20 nm at most"
-            ));
-        }
-        Ok(notices)
     }
 
     /// Axes of the stored BSSRDF of a yarn.
@@ -387,22 +348,6 @@ fn spec_of(of: &MediumSection, spectra: MediumSpectra, grid: &WavelengthGrid) ->
 /// What the warp's medium of a study is made of, on a grid.
 pub(crate) fn medium_spec(study: &Study, grid: &WavelengthGrid) -> Result<MediumSpec, RunError> {
     spec_of(&study.medium, MediumSpectra::read("medium", &study.medium, grid)?, grid)
-}
-
-/// Old spellings of a study's file, and numbers of its media that look like those of another unit.
-pub fn study_notices(study: &Study) -> Vec<String> {
-    let mut notices = study.origin.notices().to_vec();
-    let weft = study.weft.medium(&study.medium);
-    let mut media = vec![("medium", study.medium.particle_diameter_nm)];
-    if weft.particle_diameter_nm != study.medium.particle_diameter_nm {
-        media.push(("weft", weft.particle_diameter_nm));
-    }
-    let told = |(section, diameter_nm)| {
-        let doubt = plausibility::particle_diameter(diameter_nm)?;
-        Some(format!("`{section}.particle_diameter_nm`: {doubt}"))
-    };
-    notices.extend(media.into_iter().filter_map(told));
-    notices
 }
 
 /// The medium of a valid study alone.

@@ -146,10 +146,10 @@ fn taken(of_sample: &[Geometry], at: Geometry, interpolated: bool) -> Vec<usize>
     found.into_iter().flatten().collect()
 }
 
-/// The sample's incidences in degrees, the first ten, as a list in words.
-pub(super) fn incidences_of(sample: &Sample) -> String {
+/// The first ten of the sample's incidences, degrees.
+pub(super) fn first_incidences(sample: &Sample) -> Vec<f64> {
     let mut incidences: Vec<f64> = sample.geometries().map(|(theta_i, _)| theta_i).collect();
     incidences.dedup();
-    let names: Vec<String> = incidences.iter().take(10).map(f64::to_string).collect();
-    names.join(", ")
+    incidences.truncate(10);
+    incidences
 }

@@ -1,17 +1,19 @@
 use super::curves::{channels, directions};
 use super::light::bounces;
-use super::readings::{count, incidences_of, readings};
+use super::readings::{count, first_incidences, readings};
 use super::{Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows, grazing_gains, grazing_notice};
 use crate::cloth::Weave;
 use crate::cloth::light::Integrator;
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{
-    self, Channel, Channels, ColourRatios, Comparison, CurvePoint, HueComparison, Inputs, Propagation, Source,
+    self, Channels, ColourRatios, Compared, Comparison, HueComparison, Inputs, Propagation, Role, Source, SourceRatios,
     model_colour_ratios, reference,
 };
-use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
+use crate::report::{
+    self as shown, Fallback, Notice, Provenance, RatioOf, ReportData, SampleNote, Table1Name, Table1Row, TableRatio,
+};
 use crate::rig::{CameraBatch, Geometry};
-use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
+use crate::sample::{Kind, Uncertainty, published_ratios};
 use crate::shading::{Classical, ShadingModel};
 use crate::study::{MediumSection, MethodChoice, NumberOrTable};
 use crate::yarn::{DirectTracer, Effort, YarnResponse};
@@ -32,7 +34,7 @@ pub fn report(
     plan: &Plan,
     simulation: &Simulation,
     command: Vec<String>,
-    notices: Vec<String>,
+    notices: Vec<Notice>,
     progress: Progress,
 ) -> Result<ReportData, RunError> {
     let mut notices = notices;
@@ -43,44 +45,49 @@ pub fn report(
     let curves = &simulation.curves;
     let normal = normal_place(&curves.geometries);
     if normal + 1 == curves.geometries.len() && curves.geometries.len() > 1 {
-        fallbacks.push("the rig has no normal incidence and view; it was added for the model's rows of Table 1".into());
+        fallbacks.push(Fallback::NormalAdded);
     }
     if plan
         .different_yarns()
         .any(|yarn| yarn.estimator_in_use() != yarn.estimator)
     {
-        fallbacks.push(
-            "the host is dispersive: wavelengths part at the surface and cannot share paths; the independent estimator was \
-             used"
-                .into(),
-        );
+        fallbacks.push(Fallback::IndependentEstimator);
     }
     if plan.weft.is_some() {
-        notices.push("warp and weft differ: the energy ledger and the sweep are of the warp's yarn".into());
+        notices.push(Notice::WarpAndWeftDiffer);
     }
     let cloth = &plan.study.cloth;
     if cloth.method == MethodChoice::RadianceFactor
         && (cloth.warp_flattening != 1.0 || cloth.weft_flattening != 1.0 || cloth.radius_variation > 0.0)
     {
-        fallbacks.push(
-            "yarns are elliptical or of varying radius: f* is that of the round yarn of the mean radius; the volumetric method has \
-             their shape"
-                .into(),
-        );
+        fallbacks.push(Fallback::RoundYarnResponse);
     }
     if plan.study.specular.surface.is_of_yarns() {
-        fallbacks.push(
-            "the yarns shine by themselves: the model has no gloss about the cloth's normal, the classical shading has"
-                .into(),
-        );
+        fallbacks.push(Fallback::YarnsShine);
     }
     let measured = readings(plan, &curves.geometries)?;
     let model = curves.channels(&plan.colour, true);
     let white = channels(&plan.colour, &vec![1.0; plan.grid.len()]);
     let propagation = Propagation::new(&model, &measured)?;
     let mut count = count(plan, &curves.geometries, &measured, propagation.model_mean());
-    notices.extend(plan.sample.notices().iter().cloned());
+    notices.extend(plan.sample.notices().iter().cloned().map(Notice::from));
     let mut hue = None;
+    let note = sample_note(plan);
+    let label = match note.kind.as_str() {
+        "" => "measured".to_owned(),
+        kind => format!("measured ({kind})"),
+    };
+    let model_source = Source::numbered(Role::Model, 0, "model");
+    let classical_source = Source::numbered(Role::Classical, 0, "classical model");
+    let sample_source = Source::numbered(Role::Measured, 0, label);
+    let alone = || {
+        Comparison::new(&Inputs {
+            geometries: &curves.geometries,
+            models: &[Compared::new(&model_source, &model)],
+            classical: &[],
+            measured: &[],
+        })
+    };
     let comparison = match reference(&curves.geometries, &measured).and_then(|place| Some((place, measured[place]?))) {
         Some((place, reading)) => {
             let shading = Classical::new(reading.beta, plan.specular)?;
@@ -95,42 +102,31 @@ pub fn report(
             hue = compare::hue(&propagation, place, &plan.colour);
             let comparison = Comparison::new(&Inputs {
                 geometries: &curves.geometries,
-                model_batches: &model,
-                classical: &classical,
-                measured: &measured,
+                models: &[Compared::new(&model_source, &model)],
+                classical: &[Compared::new(&classical_source, &classical)],
+                measured: &[Compared::new(&sample_source, &measured)],
             })?;
-            count.normalised_at = comparison.normalisation.map(|_| comparison.reference);
+            count.normalised_at = comparison.normalisation.first().map(|coefficient| coefficient.at);
             fallbacks.extend(of_reference(&comparison));
-            Some(comparison)
+            comparison
         }
         None if plan.sample.published_ratios().is_some() => {
-            fallbacks.push(format!(
-                "sample {} has published ratios and no readings: no classical model, no normalisation, no verdict",
-                plan.sample.name()
-            ));
-            None
+            fallbacks.push(Fallback::PublishedRatiosAlone {
+                sample: plan.sample.name().into(),
+            });
+            alone()?
         }
         None => {
-            fallbacks.push(format!(
-                "sample {} has no reading at any geometry of the study's [rig]: nothing is compared; its incidences are {} degrees: \
-                 set `rig.incidences_deg` to these, or `rig.geometries = \"auto\"` with the built-in angles",
-                plan.sample.name(),
-                incidences_of(&plan.sample)
-            ));
-            None
+            fallbacks.push(Fallback::NothingCompared {
+                sample: plan.sample.name().into(),
+                incidences_deg: first_incidences(&plan.sample),
+            });
+            alone()?
         }
     };
-    if let Some(words) = hue.as_ref().and_then(another_cloth) {
-        notices.push(words);
-    }
-    if let Some(comparison) = &comparison
-        && comparison.rmse_ratios.iter().any(|ratio| ratio.too_few_paths)
-    {
-        notices.push(
-            "too few paths: the model's luminance is known to no better than a quarter of its value, so verdicts are withheld; take more \
-             --paths"
-                .into(),
-        );
+    notices.extend(hue.as_ref().and_then(another_cloth));
+    if comparison.rmse_ratios.iter().any(|ratio| ratio.too_few_paths) {
+        notices.push(Notice::VerdictsWithheld);
     }
     let energy = energy_rows(plan.grid.nm(), &plan.incident, &simulation.ledgers);
     notices.extend(shown::ledger_notice(&energy));
@@ -140,7 +136,7 @@ pub fn report(
     ));
     let sweep = sweep(plan, simulation.effort.batches, &mut notices, progress)?;
     let orders = orders(plan, simulation.effort.batches)?;
-    let mut table1 = table1(plan, curves, normal, &sweep, comparison.as_ref(), &mut notices)?;
+    let mut table1 = table1(plan, curves, normal, &sweep, &comparison, &mut notices)?;
     for (name, ratios) in [Table1Name::ModelDirect, Table1Name::ModelAllBounces]
         .into_iter()
         .zip(&orders)
@@ -160,35 +156,29 @@ pub fn report(
         });
     }
     if plan.sample.is_rgb() {
-        notices.push(
-            "the sample is RGB, not spectral: its ratios have one convention, its own, and its luminance is the study's \
-             RGB space's luminance of its RGB"
-                .into(),
-        );
+        notices.push(Notice::RgbSample);
     }
     if let Weave::Custom(_) = plan.cloth_spec.weave {
-        let draft = &plan.study.cloth.weave;
-        fallbacks.push(format!(
-            "of the draft {draft} the interlacement alone is taken: warp and weft have the study's yarns, and colours, spacings \
-             and thicknesses of the file are left out"
-        ));
+        fallbacks.push(Fallback::InterlacementAlone {
+            draft: plan.study.cloth.weave.clone(),
+        });
     }
-    let comparison = comparison.as_ref();
+    if plan.sample.uncertainty() == Uncertainty::NotStated {
+        fallbacks.push(Fallback::UncertaintyNotStated);
+    }
     Ok(ReportData {
         wavelengths_nm: plan.grid.nm().to_vec(),
         colour_convention: plan.colour.convention().to_string(),
-        curves: match comparison {
-            Some(comparison) => comparison.curves.clone(),
-            None => model_curves(curves, &model, &measured)?,
-        },
+        sources: comparison.sources,
+        curves: comparison.curves,
         table1,
         conventions,
         energy,
-        normalisation: comparison.and_then(|c| c.normalisation),
-        rmse: comparison.map(|c| c.rmse.clone()).unwrap_or_default(),
-        peaks: comparison.map(|c| c.peaks.clone()).unwrap_or_default(),
-        rmse_ratios: comparison.map(|c| c.rmse_ratios.clone()).unwrap_or_default(),
-        sample: sample_note(plan, &mut fallbacks),
+        normalisation: comparison.normalisation,
+        rmse: comparison.rmse,
+        peaks: comparison.peaks,
+        rmse_ratios: comparison.rmse_ratios,
+        samples: vec![note],
         readings: count,
         hue,
         approximations: None,
@@ -205,62 +195,27 @@ pub fn report(
     })
 }
 
-/// The model's own curves, not normalised, for want of a measurement.
-fn model_curves(
-    curves: &SpectralCurves,
-    model: &[Vec<Channels>],
-    measured: &[Option<Reading>],
-) -> Result<Vec<CurvePoint>, RunError> {
-    let propagation = Propagation::new(model, measured)?;
-    let mut points = Vec::new();
-    for channel in Channel::ALL {
-        for (j, geometry) in curves.geometries.iter().enumerate() {
-            let beta = propagation.estimate(|model, _| model[j][channel as usize]);
-            points.push(CurvePoint {
-                theta_i_deg: geometry.theta_i_deg,
-                theta_v_deg: geometry.theta_v_deg,
-                source: Source::Model,
-                channel,
-                beta: beta.value,
-                se: beta.se,
-                interpolated: false,
-            });
-        }
+/// What is not as the preprint's normalisation; none for normal incidence and view.
+fn of_reference(comparison: &Comparison) -> Option<Fallback> {
+    if comparison.normalisation.is_empty() {
+        return Some(Fallback::NotNormalised);
     }
-    Ok(points)
-}
-
-/// What is not as the preprint's normalisation, in words; none for normal incidence and view.
-fn of_reference(comparison: &Comparison) -> Option<String> {
-    let Geometry {
-        theta_i_deg,
-        theta_v_deg,
-    } = comparison.reference;
-    if comparison.normalisation.is_none() {
-        return Some(
-            "the model or the sample has no light where it would be normalised: values are compared as they are".into(),
-        );
-    }
-    (comparison.reference != Geometry::NORMAL).then(|| {
-        format!(
-            "the sample has no reading with light at normal incidence and view: normalisation, the classical shading and the sample's row \
-             of Table 1 are of the nearest one, incidence {theta_i_deg} and view {theta_v_deg} degrees"
-        )
-    })
+    let at = comparison.references.first().copied();
+    at.filter(|at| *at != Geometry::NORMAL)
+        .map(|at| Fallback::OtherReference { at })
 }
 
 /// That model and sample plainly differ in hue.
-fn another_cloth(hue: &HueComparison) -> Option<String> {
-    hue.plainly_different.then(|| {
-        format!(
-            "model and sample plainly differ in colour: hue {:.0} against {:.0} degrees, chroma {:.0} against {:.0} (CIE Lab at equal \
-             luminance): the verdicts compare two different cloths; give the study the sample's dye (`medium.dye`)",
-            hue.model_hue_deg, hue.measured_hue_deg, hue.model_chroma.value, hue.measured_chroma.value
-        )
+fn another_cloth(hue: &HueComparison) -> Option<Notice> {
+    hue.plainly_different.then_some(Notice::AnotherCloth {
+        model_hue_deg: hue.model_hue_deg,
+        measured_hue_deg: hue.measured_hue_deg,
+        model_chroma: hue.model_chroma.value,
+        measured_chroma: hue.measured_chroma.value,
     })
 }
 
-fn sample_note(plan: &Plan, fallbacks: &mut Vec<String>) -> SampleNote {
+fn sample_note(plan: &Plan) -> SampleNote {
     let of = plan.sample.description();
     let kind = match of.kind {
         Some(Kind::Measured) => "measured",
@@ -271,10 +226,7 @@ fn sample_note(plan: &Plan, fallbacks: &mut Vec<String>) -> SampleNote {
     let uncertainty = match plan.sample.uncertainty() {
         Uncertainty::Columns => "standard errors from its own columns".to_owned(),
         Uncertainty::Relative(share) => format!("{:.3} % standard uncertainty", share * 100.0).replace(".000", ""),
-        Uncertainty::NotStated => {
-            fallbacks.push("the sample states no uncertainty: its standard errors are taken as 0".into());
-            "uncertainty not stated".to_owned()
-        }
+        Uncertainty::NotStated => "uncertainty not stated".to_owned(),
     };
     let colour = of
         .colour
@@ -282,6 +234,7 @@ fn sample_note(plan: &Plan, fallbacks: &mut Vec<String>) -> SampleNote {
         .map(|words| format!("; {words}"))
         .unwrap_or_default();
     SampleNote {
+        id: Role::Measured.id().into(),
         name: of.name.clone(),
         kind: kind.into(),
         source: of.source.clone(),
@@ -346,7 +299,7 @@ fn orders(plan: &Plan, traced: usize) -> Result<[ColourRatios; 2], RunError> {
 fn sweep(
     plan: &Plan,
     traced: usize,
-    notices: &mut Vec<String>,
+    notices: &mut Vec<Notice>,
     progress: Progress,
 ) -> Result<Vec<ColourRatios>, RunError> {
     let base = &plan.study.medium;
@@ -376,12 +329,11 @@ fn sweep(
         _ => paths,
     };
     let effort = Effort::new(plan.study.seed, batches, paths.max(1))?;
-    notices.push(format!(
-        "sweep: {} media, each with {} paths a tilt in {} batches",
-        media.len(),
-        effort.batches * effort.paths_per_batch,
-        effort.batches
-    ));
+    notices.push(Notice::Sweep {
+        media: media.len(),
+        paths: effort.batches * effort.paths_per_batch,
+        batches: effort.batches,
+    });
     let (camera, beams) = (plan.direct(), plan.beams(&[Geometry::NORMAL]));
     let seen: Vec<CameraBatch> = (0..effort.batches)
         .map(|batch| camera.look(beams.lit(), batch))
@@ -413,8 +365,8 @@ fn table1(
     curves: &SpectralCurves,
     normal: usize,
     sweep: &[ColourRatios],
-    comparison: Option<&Comparison>,
-    notices: &mut Vec<String>,
+    comparison: &Comparison,
+    notices: &mut Vec<Notice>,
 ) -> Result<Vec<Table1Row>, RunError> {
     let published = published_ratios()?;
     // The preprint's own ratios say nothing of a cloth of another dye.
@@ -428,28 +380,28 @@ fn table1(
             published.real.green_over_red[0],
         ));
     }
-    let measured = comparison.and_then(|c| c.colour_ratios.iter().find(|r| r.source == Source::Measured));
+    let is_measured = |ratios: &&SourceRatios| ratios.source == Role::Measured.id();
+    let measured = comparison.colour_ratios.iter().find(is_measured);
     if let Some(measured) = measured {
         let mut row = Table1Row::estimated(Table1Name::Measured, &measured.ratios);
         if plan.sample.uncertainty() == Uncertainty::NotStated {
             (row.blue_over_red_se, row.green_over_red_se) = (None, None);
         }
         rows.push(row);
-        notices.extend(no_ratio("the sample", &measured.ratios));
+        notices.extend(no_ratio(RatioOf::Sample, &measured.ratios));
     }
     rows.push(Table1Row::estimated(Table1Name::Model, &model));
-    notices.extend(no_ratio("the model", &model));
+    notices.extend(no_ratio(RatioOf::Model, &model));
     let with_ratio: Vec<&ColourRatios> = std::iter::once(&model)
         .chain(sweep)
         .filter(|r| !r.red_is_zero)
         .collect();
     let without = sweep.len() + 1 - with_ratio.len();
     if without > 0 {
-        notices.push(format!(
-            "{without} of the {} media of the sweep and the study have no ratio to red, which is as good as 0: they are not in the model's \
-             range",
-            sweep.len() + 1
-        ));
+        notices.push(Notice::MediaWithoutRatio {
+            without,
+            media: sweep.len() + 1,
+        });
     }
     let Some(first) = with_ratio.first() else {
         return Ok(rows);
@@ -467,54 +419,38 @@ fn table1(
     }
     rows.push(Table1Row::estimated(Table1Name::ModelLow, &low));
     rows.push(Table1Row::estimated(Table1Name::ModelHigh, &high));
-    for (name, [from, to], [low, high]) in [
-        (
-            "blue/red",
-            published.model.blue_over_red,
-            [low.blue_over_red.value, high.blue_over_red.value],
-        ),
-        (
-            "green/red",
-            published.model.green_over_red,
-            [low.green_over_red.value, high.green_over_red.value],
-        ),
-    ] {
-        let covered = if low <= from && high >= to {
-            "covers"
-        } else {
-            "does not cover"
+    if preprint {
+        let of = |ratio, ends: [f64; 2], preprint| Notice::SweepRange {
+            ratio,
+            range: ends,
+            preprint,
         };
-        if preprint {
-            notices.push(format!(
-                "the sweep's {name} range {low:.4}..{high:.4} {covered} the preprint's {from}..{to}"
-            ));
-        }
+        let blue = [low.blue_over_red.value, high.blue_over_red.value];
+        let green = [low.green_over_red.value, high.green_over_red.value];
+        notices.push(of(TableRatio::BlueOverRed, blue, published.model.blue_over_red));
+        notices.push(of(TableRatio::GreenOverRed, green, published.model.green_over_red));
     }
     Ok(rows)
 }
 
 /// What it would take to know BLUE/RED of the model well, where it is not, after so many `paths` a tilt.
-fn more_paths(paths: usize, ratios: &ColourRatios) -> Option<String> {
+fn more_paths(paths: usize, ratios: &ColourRatios) -> Option<Notice> {
     /// Relative standard error at which a ratio tells cloths apart.
     const WELL: f64 = 0.05;
-    let error = ratios.blue_over_red.se / ratios.blue_over_red.value.abs();
-    let times = (error / WELL).powi(2);
-    (!ratios.red_is_zero && error.is_finite() && times > 1.0).then(|| {
-        format!(
-            "BLUE/RED of the model has a standard error of {:.1} %: for 5 % it takes about {times:.1} times the paths of this run, {:.0} a \
-             tilt in place of {paths}, and as many times the tracing time",
-            100.0 * error,
-            paths as f64 * times
-        )
+    let relative_se = ratios.blue_over_red.se / ratios.blue_over_red.value.abs();
+    let times = (relative_se / WELL).powi(2);
+    (!ratios.red_is_zero && relative_se.is_finite() && times > 1.0).then_some(Notice::MorePaths {
+        relative_se,
+        times,
+        paths,
     })
 }
 
-/// Why there is no ratio to red.
-fn no_ratio(whose: &str, ratios: &ColourRatios) -> Option<String> {
-    ratios.red_is_zero.then(|| {
-        format!(
-            "red of {whose}, {:.2e} with standard error {:.1e}, is as good as 0 beside its other components: no ratio to it is shown",
-            ratios.red.value, ratios.red.se
-        )
+/// That there is no ratio to red.
+fn no_ratio(of: RatioOf, ratios: &ColourRatios) -> Option<Notice> {
+    ratios.red_is_zero.then_some(Notice::NoRatio {
+        of,
+        red: ratios.red.value,
+        red_se: ratios.red.se,
     })
 }

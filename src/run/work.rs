@@ -3,7 +3,8 @@
 
 use super::memory::Stage;
 use super::{Plan, RunError};
-use crate::number::shown;
+use crate::number::{shown, time_in_words, to_two_digits};
+use crate::report::{LongPaths, Notice};
 use crate::study::{MethodChoice, ShadeWith, Study, StudyError};
 use crate::yarn::{Estimator, Yarn};
 use std::time::Duration;
@@ -67,11 +68,11 @@ impl Plan {
         self.different_yarns().map(scatterings).fold(0.0, f64::max)
     }
 
-    /// How long a run that takes long will be, in words, and what makes it so: of a study alone, on one core.
+    /// How long a run that takes long will be, and what makes it so: of a study alone, on one core.
     ///
     /// # Errors
     /// A run that would not end in a hundred years, by the key that makes it so long.
-    pub fn work_notice(&self, stage: Stage) -> Result<Option<String>, StudyError> {
+    pub fn work_notice(&self, stage: Stage) -> Result<Option<Notice>, StudyError> {
         let particles = self.scatterings_per_path();
         let seconds = self.seconds(&self.study, stage);
         if seconds <= LONG && particles <= MANY_SCATTERINGS {
@@ -86,7 +87,6 @@ impl Plan {
         // The key that lengthens the run most, if it lengthens it more than all of the others together.
         let longest = LOADS.iter().min_by(|a, b| with_default(a).total_cmp(&with_default(b)));
         let longest = longest.filter(|load| with_default(load) < 0.5 * seconds);
-        let takes = format!("by an estimate it takes {} on one core", time_in_words(seconds));
         if seconds > ENDLESS {
             let (key, found, remedy) = match longest {
                 Some(load) => (
@@ -97,51 +97,52 @@ impl Plan {
                 None => (
                     "medium.volume_fraction".into(),
                     shown(self.study.medium.volume_fraction),
-                    self.why_long(particles),
+                    self.paths_of(particles).to_string(),
                 ),
             };
             return Err(StudyError::Value {
                 place: self.study.origin.place(&key),
                 key,
                 expected: "a study that is traced within a hundred years".into(),
-                found: format!("{found}, with which {takes}"),
+                found: format!(
+                    "{found}, with which by an estimate it takes {} on one core",
+                    time_in_words(seconds)
+                ),
                 remedy,
             });
         }
-        let mut words = Vec::new();
-        if seconds > LONG {
-            words.push(format!("a long run: {takes}"));
-        }
-        words.extend(self.long_paths());
-        if let Some(load) = longest.filter(|_| seconds > LONG) {
-            words.push(format!("most of it for `{}` = {}", load.key, (load.value)(&self.study)));
-        }
-        Ok(Some(words.join("; ")))
+        let is_long = seconds > LONG;
+        Ok(Some(Notice::LongRun {
+            seconds: is_long.then_some(seconds),
+            paths: (particles > MANY_SCATTERINGS).then(|| self.paths_of(particles)),
+            longest: longest
+                .filter(|_| is_long)
+                .map(|load| (load.key.to_owned(), (load.value)(&self.study))),
+        }))
     }
 
-    /// That the medium makes paths long, in words.
-    pub fn long_paths(&self) -> Option<String> {
+    /// That the medium makes paths long.
+    pub fn long_paths(&self) -> Option<Notice> {
         let particles = self.scatterings_per_path();
-        (particles > MANY_SCATTERINGS).then(|| self.why_long(particles))
+        (particles > MANY_SCATTERINGS).then(|| Notice::LongPaths {
+            paths: self.paths_of(particles),
+        })
     }
 
-    /// What the medium does to paths that are long in it.
-    fn why_long(&self, particles: f64) -> String {
+    /// What makes paths long that meet so many particles.
+    fn paths_of(&self, particles: f64) -> LongPaths {
         let medium = |yarn: &Yarn| {
             let strongest = yarn.medium.mu_s_per_mm().iter().copied().fold(0.0, f64::max);
             let index = yarn.medium.host_index().iter().copied().fold(0.0, f64::max);
             (strongest, index)
         };
         let media = self.different_yarns().map(medium);
-        let (strongest, index) = media.fold((0.0f64, 0.0f64), |a, b| (a.0.max(b.0), a.1.max(b.1)));
-        format!(
-            "a path meets about {} particles in a yarn (3 in the default study), so tracing takes that much longer: \
-             mu_s is up to {} 1/mm, and of light in a host of index {} total reflection keeps most inside; bring `host_index` \
-             nearer to `particle_index`, lower `volume_fraction` or `radius_mm`, or trace fewer paths",
-            shown(round_to_two(particles)),
-            shown(round_to_two(strongest)),
-            shown(index)
-        )
+        let (strongest, host_index) = media.fold((0.0f64, 0.0f64), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+        LongPaths {
+            particles: to_two_digits(particles),
+            mu_s_per_mm: to_two_digits(strongest),
+            host_index,
+        }
     }
 
     /// Estimate of a run on one core, of this plan's media with the counts of a study.
@@ -236,21 +237,4 @@ fn scatterings(yarn: &Yarn) -> f64 {
         }
         Estimator::Independent => mean(&|w| way_mm(w) * medium.mu_s_per_mm()[w]),
     }
-}
-
-fn round_to_two(value: f64) -> f64 {
-    format!("{value:.1e}").parse().unwrap_or(value)
-}
-
-/// A time as people say it, to two digits.
-fn time_in_words(seconds: f64) -> String {
-    const UNITS: [(f64, &str); 4] = [
-        (31_557_600.0, "years"),
-        (86_400.0, "days"),
-        (3600.0, "h"),
-        (60.0, "min"),
-    ];
-    let fits = UNITS.iter().find(|(size, _)| seconds >= 2.0 * size);
-    let (size, unit) = fits.copied().unwrap_or((1.0, "s"));
-    format!("about {} {unit}", shown(round_to_two(seconds / size)))
 }

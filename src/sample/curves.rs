@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::columns::{Columns, Values};
 use super::error::SampleError;
 use super::nominal::{AnglesRead, as_read, nominal};
+use super::notice::SampleNotice;
 use super::row::{Axis, Row};
 use crate::number::shown;
 use crate::spectrum::plausibility;
@@ -19,7 +20,7 @@ pub(super) struct Curves {
     rows: Vec<Row>,
     angles: AnglesRead,
     /// What the reader assumed, left out or found implausible.
-    notices: Vec<String>,
+    notices: Vec<SampleNotice>,
 }
 
 impl Curves {
@@ -39,7 +40,7 @@ impl Curves {
         self.angles
     }
 
-    pub(super) fn notices(&self) -> &[String] {
+    pub(super) fn notices(&self) -> &[SampleNotice] {
         &self.notices
     }
 }
@@ -48,8 +49,7 @@ impl Curves {
 pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<Curves, SampleError> {
     let columns = Columns::of(&table)?;
     let relative_se = relative_se.unwrap_or(0.0);
-    let mut notices = Vec::new();
-    notices.extend(table.notices().iter().cloned());
+    let mut notices: Vec<SampleNotice> = SampleNotice::of_file(table.notices()).collect();
     if !table.renamed().is_empty() {
         notices.push(renamed(&columns, &table));
     }
@@ -66,11 +66,10 @@ pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<Curves
         negative.extend(line.negative(&table, &columns, row, largest)?);
     }
     if let Some(lowest) = negative.iter().copied().reduce(f64::min) {
-        notices.push(format!(
-            "{} values of the sample are below 0, the lowest {}: taken as they are, as noise about 0",
-            negative.len(),
-            shown(lowest)
-        ));
+        notices.push(SampleNotice::NegativeValues {
+            count: negative.len(),
+            lowest,
+        });
     }
     let has_se = columns.has_se();
     let (axis, rows) = match &columns.values {
@@ -78,17 +77,15 @@ pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<Curves
         Values::Wide { beta, .. } => wide(&table, beta, lines, &mut notices)?,
         Values::Long { wavelength, .. } => spectral(&table, *wavelength, lines, &mut notices)?,
     };
-    notices.extend(plausibility::per_cent_for_fractions(
-        "beta",
-        rows.iter().flat_map(|row| row.beta.iter().copied()),
-    ));
+    let beta = rows.iter().flat_map(|row| row.beta.iter().copied());
+    notices.extend(plausibility::per_cent_for_fractions("beta", beta).map(SampleNotice::from));
     let radians = plausibility::radians_for_degrees(rows.iter().flat_map(|row| [row.theta_i_deg, row.theta_v_deg]));
     // 1.05 is no reading at 1 degree where it is one at 60.
     let (rows, angles) = match radians.is_some() {
         true => as_read(rows),
         false => nominal(rows),
     };
-    notices.extend(radians);
+    notices.extend(radians.map(SampleNotice::from));
     Ok(Curves {
         axis,
         has_se,
@@ -99,16 +96,11 @@ pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<Curves
 }
 
 /// What columns of other names were taken for, and what that means for the sign of a view.
-fn renamed(columns: &Columns, table: &CsvTable) -> String {
-    let unsigned = (0..table.len()).all(|row| !table.text(row, columns.theta_v).starts_with('-'));
-    let sign = match unsigned {
-        true => "; no view is below 0, so all are on the mirror side of the normal",
-        false => "; views below 0 are on the light's side of the normal",
-    };
-    format!(
-        "columns of the sample were read as these: {}{sign}",
-        table.renamed().join(", ")
-    )
+fn renamed(columns: &Columns, table: &CsvTable) -> SampleNotice {
+    SampleNotice::RenamedColumns {
+        columns: table.renamed().to_vec(),
+        unsigned: (0..table.len()).all(|row| !table.text(row, columns.theta_v).starts_with('-')),
+    }
 }
 
 /// Views and incidences that an encoder may read back below 0 where 0 was meant.
@@ -211,7 +203,7 @@ fn geometry_text(row: &Row) -> String {
 }
 
 /// Rows of different geometries; the same reading written twice is one, and `notices` tell how many.
-fn each_once(table: &CsvTable, entries: Vec<Row>, notices: &mut Vec<String>) -> Result<Vec<Row>, Box<CsvError>> {
+fn each_once(table: &CsvTable, entries: Vec<Row>, notices: &mut Vec<SampleNotice>) -> Result<Vec<Row>, Box<CsvError>> {
     let mut seen: HashMap<[u64; 2], usize> = HashMap::new();
     let mut repeated = 0;
     let mut first_lines = Vec::new();
@@ -227,7 +219,7 @@ fn each_once(table: &CsvTable, entries: Vec<Row>, notices: &mut Vec<String>) -> 
             }
         }
     }
-    notices.extend(plausibility::repeated(repeated));
+    notices.extend(plausibility::repeated(repeated).map(SampleNotice::from));
     Ok(rows)
 }
 
@@ -240,11 +232,9 @@ fn twice(table: &CsvTable, row: usize, first: usize, what: &str) -> Box<CsvError
 const COLOUR_NM: std::ops::RangeInclusive<f64> = 360.0..=780.0;
 
 /// Tells how many wavelengths lie beyond the CIE's tables.
-fn beyond_colour(count: usize, notices: &mut Vec<String>) {
+fn beyond_colour(count: usize, notices: &mut Vec<SampleNotice>) {
     if count > 0 {
-        notices.push(format!(
-            "{count} values of the sample are outside 360..780 nm, where the CIE tables are: left out"
-        ));
+        notices.push(SampleNotice::OutsideColour { count });
     }
 }
 
@@ -253,7 +243,7 @@ fn wide(
     table: &CsvTable,
     columns: &[(f64, usize)],
     lines: Vec<Line>,
-    notices: &mut Vec<String>,
+    notices: &mut Vec<SampleNotice>,
 ) -> Result<(Axis, Vec<Row>), SampleError> {
     let kept = |k: &usize| COLOUR_NM.contains(&columns[*k].0);
     let places: Vec<usize> = (0..columns.len()).filter(kept).collect();
@@ -290,7 +280,7 @@ fn spectral(
     table: &CsvTable,
     column: usize,
     entries: Vec<Line>,
-    notices: &mut Vec<String>,
+    notices: &mut Vec<SampleNotice>,
 ) -> Result<(Axis, Vec<Row>), SampleError> {
     const NM: std::ops::RangeInclusive<f64> = 100.0..=3000.0;
     let mut found: HashMap<[u64; 2], usize> = HashMap::new();
@@ -336,7 +326,7 @@ fn spectral(
             return Err(twice(table, pair[1].1, pair[0].1, &what).into());
         }
     }
-    notices.extend(plausibility::repeated(repeated));
+    notices.extend(plausibility::repeated(repeated).map(SampleNotice::from));
     let nm: Vec<f64> = geometries[0].points.iter().map(|point| point.0).collect();
     if let Some(other) = geometries
         .iter()

@@ -1,5 +1,6 @@
 use super::description::Chosen;
 use super::error::SampleError;
+use super::notice::SampleNotice;
 use super::row::{Axis, Row};
 use crate::goniometric::{Channels, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
 use crate::spectrum::WavelengthGrid;
@@ -22,7 +23,7 @@ pub(super) struct GoniometricData {
     /// grid, those in the plane.
     rows: Vec<Row>,
     outside_plane: usize,
-    notices: Vec<String>,
+    notices: Vec<SampleNotice>,
 }
 
 impl GoniometricData {
@@ -40,13 +41,13 @@ impl GoniometricData {
         };
         let others = data.components.iter().filter(|other| *other != component);
         let others: Vec<String> = others.map(Component::words).collect();
-        let mut notices = data.warnings.clone();
+        let mut notices: Vec<SampleNotice> = SampleNotice::of_file(&data.warnings).collect();
         if !others.is_empty() {
-            notices.push(format!(
-                "{path}: the sample is the {}; the file also has, and --scatter and --side choose: {}",
-                component.words(),
-                others.join(", ")
-            ));
+            notices.push(SampleNotice::OtherComponents {
+                path: path.into(),
+                component: component.words(),
+                others,
+            });
         }
         if matches!(component.quantity, Quantity::Unscaled | Quantity::Fraction) {
             return Err(refuse(
@@ -112,9 +113,10 @@ impl GoniometricData {
             this.outside_plane = table.readings().len().saturating_sub(this.rows.len());
         }
         let beta = this.rows.iter().flat_map(|row| row.beta.iter().copied());
-        this.notices.extend(plausibility::per_cent_for_fractions("beta", beta));
+        let per_cent = plausibility::per_cent_for_fractions("beta", beta);
         let angles = this.rows.iter().flat_map(|row| [row.theta_i_deg, row.theta_v_deg]);
-        this.notices.extend(plausibility::radians_for_degrees(angles));
+        let doubts = per_cent.into_iter().chain(plausibility::radians_for_degrees(angles));
+        this.notices.extend(doubts.map(SampleNotice::from));
         Ok(this)
     }
 
@@ -127,7 +129,7 @@ impl GoniometricData {
         matches!(self.component.table, Table::Scattered(_))
     }
 
-    pub(super) fn notices(&self) -> &[String] {
+    pub(super) fn notices(&self) -> &[SampleNotice] {
         &self.notices
     }
 

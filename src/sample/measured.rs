@@ -4,6 +4,7 @@ use super::curves::Curves;
 use super::description::Description;
 use super::goniometric::GoniometricData;
 use super::nominal::AnglesRead;
+use super::notice::SampleNotice;
 use super::ratios::PublishedRatios;
 use super::row::{Axis, Row};
 use crate::goniometric::Scatter;
@@ -72,7 +73,7 @@ impl Sample {
     }
 
     /// What the reader assumed, left out or found implausible: units, signs, columns by other names. For a report to show.
-    pub fn notices(&self) -> &[String] {
+    pub fn notices(&self) -> &[SampleNotice] {
         match &self.data {
             Data::Curves(curves) => curves.notices(),
             Data::Goniometric(data) => data.notices(),

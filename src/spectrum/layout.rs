@@ -132,7 +132,7 @@ pub(super) fn ascending(table: CsvTable) -> CsvTable {
             .zip(cells(*b))
             .all(|(a, b)| table.text(a.0, a.1) == table.text(b.0, b.1))
     });
-    let repeated = plausibility::repeated(table.len() - rows.len());
+    let repeated = plausibility::repeated(table.len() - rows.len()).map(|doubt| doubt.to_string());
     let sorted = (!is_sorted).then(|| {
         format!(
             "wavelengths stand in another order in the file, from {} to {} nm: sorted with their values",

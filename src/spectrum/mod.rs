@@ -17,6 +17,7 @@ pub use file::{SpectraFile, parse_observer, parse_spectra, parse_spectrum, read_
 pub use function::Spectrum;
 pub use grid::WavelengthGrid;
 pub use naming::UnknownName;
+pub use plausibility::Doubt;
 pub use samples::Samples;
 
 pub use crate::text::CsvError;

@@ -1,6 +1,9 @@
 //! Whether numbers have the unit that their column asks for. Each rule names the likely unit and the remedy; none of them
 //! changes a value. Shared by samples, spectra and media.
 
+use crate::number::nan_from_null;
+use serde::{Deserialize, Serialize};
+use std::fmt::{self, Display, Formatter};
 use std::ops::{Bound, RangeBounds};
 
 /// A brightness factor or a fraction is seldom above this in the median, and in per cent seldom below.
@@ -12,9 +15,68 @@ const NOISE: f64 = 0.05;
 /// A right angle in radians, and a little for rounding.
 const QUARTER_TURN_RAD: f64 = 1.6;
 
+/// What is doubtful about numbers. [`Display`] gives the words.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "id", rename_all = "kebab-case")]
+pub enum Doubt {
+    /// Fractions with this median look like per cent. `what` names the values, such as "beta".
+    PerCent { what: String, median: f64 },
+    /// The highest value of a spectrum of reflectances.
+    High {
+        what: String,
+        #[serde(deserialize_with = "nan_from_null")]
+        highest: f64,
+    },
+    /// So many readings are below 0, within noise.
+    BelowZero { what: String, count: usize, lowest: f64 },
+    /// A particle smaller than a molecule.
+    ParticleDiameter { diameter_nm: f64 },
+    /// No angle in degrees is beyond this one, which looks like radians.
+    Radians { largest: f64 },
+    /// So many lines of a file repeat a reading with the same value.
+    Repeated { lines: usize },
+}
+
+impl Display for Doubt {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        match self {
+            Self::PerCent { what, median } => write!(
+                f,
+                "{what} has the median {}, where 1 is a perfect diffuser: these look like per cent; divide them by 100",
+                rounded(*median)
+            ),
+            Self::High { what, highest } => write!(
+                f,
+                "{what}: the highest value is {}, where 1 is a perfect diffuser; if these are per cent, divide them by 100",
+                rounded(*highest)
+            ),
+            Self::BelowZero { what, count, lowest } => write!(
+                f,
+                "{what}: {count} values are below 0, down to {}, as dark subtraction leaves them; they are kept",
+                rounded(*lowest)
+            ),
+            Self::ParticleDiameter { diameter_nm } => write!(
+                f,
+                "a particle of {diameter_nm} nm is smaller than a molecule and scatters next to nothing; if that is in \
+                 micrometres, write {}",
+                rounded(1000.0 * diameter_nm)
+            ),
+            Self::Radians { largest } => write!(
+                f,
+                "no angle is beyond {}: these look like radians read as degrees; multiply them by 180/pi = 57.29578",
+                rounded(*largest)
+            ),
+            Self::Repeated { lines } => {
+                let repeat = if *lines == 1 { "line repeats" } else { "lines repeat" };
+                write!(f, "{lines} {repeat} a reading with the same value: taken once")
+            }
+        }
+    }
+}
+
 /// What fractions (β, reflectances, transmittances; 1 is all) look like that are in per cent: their median is above 2. `None`
 /// for plausible fractions. `what` names the values, such as "beta".
-pub fn per_cent_for_fractions(what: &str, values: impl IntoIterator<Item = f64>) -> Option<String> {
+pub fn per_cent_for_fractions(what: &str, values: impl IntoIterator<Item = f64>) -> Option<Doubt> {
     let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     if values.is_empty() {
         return None;
@@ -22,12 +84,8 @@ pub fn per_cent_for_fractions(what: &str, values: impl IntoIterator<Item = f64>)
     let middle = values.len() / 2;
     let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
     let median = *median;
-    (median > FRACTION_MEDIAN).then(|| {
-        format!(
-            "{what} has the median {}, where 1 is a perfect diffuser: these look like per cent; divide them by 100",
-            rounded(median)
-        )
-    })
+    let what = what.into();
+    (median > FRACTION_MEDIAN).then_some(Doubt::PerCent { what, median })
 }
 
 /// What is doubtful about a spectrum of reflectances or brightness factors (1 is a perfect diffuser): values above 1.5, and
@@ -35,15 +93,13 @@ pub fn per_cent_for_fractions(what: &str, values: impl IntoIterator<Item = f64>)
 ///
 /// # Errors
 /// A value further below 0 than a twentieth of the highest: what was expected and what was found.
-pub fn reflectances(what: &str, values: &[f64]) -> Result<Vec<String>, String> {
+pub fn reflectances(what: &str, values: &[f64]) -> Result<Vec<Doubt>, String> {
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
     let mut notices = Vec::new();
     if highest > FRACTION_HIGHEST {
-        let highest = rounded(highest);
-        notices.push(format!(
-            "{what}: the highest value is {highest}, where 1 is a perfect diffuser; if these are per cent, divide them by 100"
-        ));
+        let what = what.into();
+        notices.push(Doubt::High { what, highest });
     }
     let negative = values.iter().filter(|value| **value < 0.0).count();
     match below_zero(what, lowest, highest, negative) {
@@ -57,24 +113,22 @@ pub fn reflectances(what: &str, values: &[f64]) -> Result<Vec<String>, String> {
 ///
 /// # Errors
 /// A lowest reading further below 0: what was expected, what was found, and the remedy.
-pub fn below_zero(what: &str, lowest: f64, highest: f64, count: usize) -> Result<Option<String>, [String; 3]> {
+pub fn below_zero(what: &str, lowest: f64, highest: f64, count: usize) -> Result<Option<Doubt>, [String; 3]> {
     if lowest >= 0.0 {
         return Ok(None);
     }
-    let (lowest_told, highest_told) = (rounded(lowest), rounded(highest));
     if lowest < -NOISE * highest {
         return Err([
             format!(
                 "values of 0 or more, but for noise of {:.0} % of the highest",
                 100.0 * NOISE
             ),
-            format!("{lowest_told} where the highest is {highest_told}"),
+            format!("{} where the highest is {}", rounded(lowest), rounded(highest)),
             "check the sign and the dark reading".into(),
         ]);
     }
-    Ok(Some(format!(
-        "{what}: {count} values are below 0, down to {lowest_told}, as dark subtraction leaves them; they are kept"
-    )))
+    let what = what.into();
+    Ok(Some(Doubt::BelowZero { what, count, lowest }))
 }
 
 /// What to do about a value that is outside the bounds of fractions: per cent, or noise below 0.
@@ -90,29 +144,18 @@ pub(super) fn remedy_outside(value: f64, bounds: &impl RangeBounds<f64>) -> &'st
 }
 
 /// What a particle's diameter in nm looks like that is in micrometres: below 1 nm, which no particle that scatters light has.
-pub fn particle_diameter(diameter_nm: f64) -> Option<String> {
-    (diameter_nm < 1.0).then(|| {
-        format!(
-            "a particle of {diameter_nm} nm is smaller than a molecule and scatters next to nothing; if that is in micrometres, \
-             write {}",
-            rounded(1000.0 * diameter_nm)
-        )
-    })
+pub fn particle_diameter(diameter_nm: f64) -> Option<Doubt> {
+    (diameter_nm < 1.0).then_some(Doubt::ParticleDiameter { diameter_nm })
 }
 
 /// What angles in degrees look like that are in radians: three or more different ones, some beyond a tenth of a radian, and
 /// none beyond a right angle in radians. `None` for plausible degrees.
-pub fn radians_for_degrees(angles_deg: impl IntoIterator<Item = f64>) -> Option<String> {
+pub fn radians_for_degrees(angles_deg: impl IntoIterator<Item = f64>) -> Option<Doubt> {
     let mut angles: Vec<f64> = angles_deg.into_iter().map(f64::abs).collect();
     angles.sort_by(f64::total_cmp);
     angles.dedup();
     let largest = *angles.last()?;
-    (angles.len() >= 3 && (0.1..=QUARTER_TURN_RAD).contains(&largest)).then(|| {
-        format!(
-            "no angle is beyond {}: these look like radians read as degrees; multiply them by 180/pi = 57.29578",
-            rounded(largest)
-        )
-    })
+    (angles.len() >= 3 && (0.1..=QUARTER_TURN_RAD).contains(&largest)).then_some(Doubt::Radians { largest })
 }
 
 /// The unit that a number in place of a wavelength in nm seems to have, and what to do. `None` from 100 nm to 3000 nm, and where
@@ -126,12 +169,9 @@ pub fn wavelength_unit(found_nm: f64) -> Option<&'static str> {
     }
 }
 
-/// What is said of readings that stand in a file more than once with the same value; `None` of none.
-pub(crate) fn repeated(count: usize) -> Option<String> {
-    (count > 0).then(|| {
-        let lines = if count == 1 { "line repeats" } else { "lines repeat" };
-        format!("{count} {lines} a reading with the same value: taken once")
-    })
+/// Readings that stand in a file more than once with the same value; `None` of none.
+pub(crate) fn repeated(lines: usize) -> Option<Doubt> {
+    (lines > 0).then_some(Doubt::Repeated { lines })
 }
 
 /// Three significant digits.
@@ -146,7 +186,10 @@ mod tests {
 
     #[test]
     fn per_cent_is_told_from_fractions() {
-        assert!(per_cent_for_fractions("beta", [40.0, 38.0, 0.5]).is_some_and(|words| words.contains("median 38")));
+        assert!(
+            per_cent_for_fractions("beta", [40.0, 38.0, 0.5])
+                .is_some_and(|doubt| doubt.to_string().contains("median 38"))
+        );
         // A gloss peak is no per cent.
         assert_eq!(per_cent_for_fractions("beta", [0.4, 0.5, 90.0]), None);
         assert_eq!(per_cent_for_fractions("beta", [f64::NAN]), None);
@@ -156,20 +199,17 @@ mod tests {
     #[test]
     fn reflectances_in_per_cent_or_below_zero_are_told() {
         assert_eq!(reflectances("red", &[0.0, 0.2, 1.05]), Ok(vec![]));
-        let told = reflectances("red", &[0.2, 69.9]).unwrap();
-        assert!(
-            told[0].contains("69.9") && told[0].contains("divide them by 100"),
-            "{told:?}"
-        );
-        let told = reflectances("red", &[-0.01, -0.002, 0.5]).unwrap();
-        assert!(told[0].contains("2 values are below 0, down to -0.01"), "{told:?}");
+        let told = reflectances("red", &[0.2, 69.9]).unwrap()[0].to_string();
+        assert!(told.contains("69.9") && told.contains("divide them by 100"), "{told}");
+        let told = reflectances("red", &[-0.01, -0.002, 0.5]).unwrap()[0].to_string();
+        assert!(told.contains("2 values are below 0, down to -0.01"), "{told}");
         assert!(reflectances("red", &[-0.03, 0.5]).is_err());
         assert!(reflectances("red", &[-0.4, -0.3]).is_err());
     }
 
     #[test]
     fn diameters_in_micrometres_are_told() {
-        assert!(particle_diameter(0.15).is_some_and(|words| words.contains("write 150")));
+        assert!(particle_diameter(0.15).is_some_and(|doubt| doubt.to_string().contains("write 150")));
         assert_eq!((particle_diameter(150.0), particle_diameter(1.0)), (None, None));
     }
 

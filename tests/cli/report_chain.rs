@@ -175,10 +175,10 @@ fn a_result_that_is_none_is_refused() {
     for (content, arguments, word) in [
         ("{}", &[][..], "another document"),
         ("wavelength_nm,a\n", &[], "found"),
-        (&of_version(2), &[], "version 2"),
-        (&of_version(1), &[], "missing field"),
-        (&of_version(1), &["--seed", "3"], "leave --seed out"),
-        (&of_version(1), &["--quick"], "cannot be used"),
+        (&of_version(1), &[], "version 1; read it with the program that wrote it"),
+        (&of_version(2), &[], "missing field"),
+        (&of_version(2), &["--seed", "3"], "leave --seed out"),
+        (&of_version(2), &["--quick"], "cannot be used"),
     ] {
         fs::write(folder.path().join("result.json"), content).unwrap();
         let output = specval(

@@ -143,7 +143,7 @@ fn long_runs_are_told_of_and_endless_ones_refused() {
             &[" min on one core", "`rig.pixels_per_side` = 1000"],
         ),
     ] {
-        let words = notice(text, Stage::Views).unwrap().expect(text);
+        let words = notice(text, Stage::Views).unwrap().expect(text).to_string();
         for part in parts {
             assert!(words.contains(part), "{part} is missing in {words}");
         }

@@ -332,7 +332,10 @@ fn radians_are_no_nominal_degrees() {
     assert_eq!(views, [-1.05, -0.52, 0.0, 0.03, 0.52, 1.05]);
     assert_eq!(sample.angles_read().moved, 0);
     assert!(
-        sample.notices().join("; ").contains("radians"),
+        sample
+            .notices()
+            .iter()
+            .any(|notice| notice.to_string().contains("radians")),
         "{:?}",
         sample.notices()
     );

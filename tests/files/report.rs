@@ -1,8 +1,11 @@
 //! The tables, the JSON document and the output folder.
 
 use crate::report_data::data;
+use specval::compare::Geometry;
 use specval::output::*;
 use specval::report::*;
+use specval::sample::SampleNotice;
+use specval::spectrum::Doubt;
 
 fn text(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).unwrap()
@@ -22,7 +25,7 @@ fn headers_are_the_fixed_names_and_agree_with_the_rows() {
             curves_csv(&data).unwrap(),
             "theta_i_deg,theta_v_deg,source,channel,beta,se",
             3 * 27 * 3 * 4,
-            serde_json::to_value(data.curves[0]).unwrap(),
+            serde_json::to_value(&data.curves[0]).unwrap(),
         ),
         (
             energy_csv(&data).unwrap(),
@@ -91,7 +94,7 @@ fn the_markdown_table_says_what_its_numbers_are() {
         "fit of a measurement",
         "CC-BY-SA-4.0",
         "white of the published ratios are not stated there",
-        "the sweep stops at BLUE/RED 0.047",
+        "the sweep's blue/red range 0.0470..0.2600 covers the preprint's 0.05..0.25",
     ] {
         assert!(markdown.contains(expected), "{expected} is missing in\n{markdown}");
     }
@@ -120,6 +123,95 @@ fn report_json_has_the_fixed_fields() {
     );
 }
 
+/// The result holds them as data, the report in words.
+#[test]
+fn notices_and_fallbacks_are_read_back_and_worded_once() {
+    let paths = LongPaths {
+        particles: 4e5,
+        mu_s_per_mm: 1234.5,
+        host_index: 1.557,
+    };
+    let doubt = Doubt::ParticleDiameter { diameter_nm: 0.15 };
+    let notices = [
+        (Notice::Quick, "--quick: paths and camera rays are reduced"),
+        (
+            Notice::GrazingGain {
+                gains: vec![GrazingGain {
+                    theta_i_deg: 80.0,
+                    white_albedo: 1.234,
+                }],
+            },
+            "falls on it at 80 deg (factor 1.23); brightness",
+        ),
+        (
+            Notice::LongRun {
+                seconds: Some(7300.0),
+                paths: Some(paths),
+                longest: Some(("trace.tilts".into(), 180)),
+            },
+            "a long run: by an estimate it takes about 2 h on one core; a path meets about 400000 particles in a yarn",
+        ),
+        (
+            Notice::ParticleDiameter {
+                section: "weft".into(),
+                doubt: doubt.clone(),
+            },
+            "`weft.particle_diameter_nm`: a particle of 0.15 nm is smaller than a molecule",
+        ),
+        (SampleNotice::Doubt { doubt }.into(), "a particle of 0.15 nm"),
+        (
+            SampleNotice::RenamedColumns {
+                columns: vec!["'view' as theta_v_deg".into()],
+                unsigned: true,
+            }
+            .into(),
+            "read as these: 'view' as theta_v_deg; no view is below 0, so all are on the mirror side",
+        ),
+        (
+            Notice::MorePaths {
+                relative_se: 0.1,
+                times: 4.0,
+                paths: 100,
+            },
+            "standard error of 10.0 %: for 5 % it takes about 4.0 times the paths of this run, 400 a tilt in place of 100",
+        ),
+    ];
+    let fallbacks = [
+        (
+            Fallback::NothingCompared {
+                sample: "felt".into(),
+                incidences_deg: vec![22.5, 45.0],
+            },
+            "sample felt has no reading at any geometry of the study's [rig]: nothing is compared; its incidences are 22.5, 45",
+        ),
+        (
+            Fallback::OtherReference {
+                at: Geometry {
+                    theta_i_deg: 45.0,
+                    theta_v_deg: -5.0,
+                },
+            },
+            "incidence 45 and view -5 degrees",
+        ),
+    ];
+    let mut data = data();
+    data.provenance.notices = notices.iter().map(|(notice, _)| notice.clone()).collect();
+    data.provenance.fallbacks = fallbacks.iter().map(|(fallback, _)| fallback.clone()).collect();
+    let scratch = tempfile::tempdir().unwrap();
+    std::fs::write(scratch.path().join(RESULT), result_json(&data).unwrap()).unwrap();
+    assert_eq!(read_result(scratch.path()).unwrap(), data);
+    let document: serde_json::Value = serde_json::from_str(&report_json(&data).unwrap()).unwrap();
+    let told = |list: &str, place: usize| document["provenance"][list][place].as_str().unwrap().to_owned();
+    for (place, (notice, words)) in notices.iter().enumerate() {
+        assert_eq!(told("notices", place), notice.to_string());
+        assert!(notice.to_string().contains(words), "{notice}");
+    }
+    for (place, (fallback, words)) in fallbacks.iter().enumerate() {
+        assert_eq!(told("fallbacks", place), fallback.to_string());
+        assert!(fallback.to_string().contains(words), "{fallback}");
+    }
+}
+
 #[test]
 fn the_terminal_summary_tells_verdicts_notices_and_fallbacks() {
     let summary = summary(&data());
@@ -129,8 +221,8 @@ fn the_terminal_summary_tells_verdicts_notices_and_fallbacks() {
         "model multiplied by 0.931 ± 0.012",
         "effort: 24 batches, each of 12500 paths a tilt and 1250 a direction of the ledger; stopped by precision (asked: rel \
          0.01 curves, 60 s, 100000 batches at most); largest relative standard error of the curves: 0.0098",
-        "notice: the sweep stops",
-        "fallback: none asked for",
+        "notice: the sweep's blue/red range 0.0470..0.2600 covers",
+        "fallback: the sample states no uncertainty",
     ] {
         assert!(summary.contains(expected), "{expected} is missing in\n{summary}");
     }

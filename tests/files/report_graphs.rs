@@ -1,8 +1,9 @@
 //! Graphs: what is in them, their size, and the odd cases.
 
-use crate::report_data::{SOURCES, curves, data, views};
-use specval::compare::{Channel, Source};
+use crate::report_data::{ROLES, curves, data, views};
+use specval::compare::{Channel, CurvePoint, Rmse, Role, Source, SourceId};
 use specval::report::*;
+use std::collections::BTreeSet;
 
 fn decoded(png: &[u8]) -> (u32, u32, Vec<u8>) {
     let mut reader = png::Decoder::new(png).read_info().unwrap();
@@ -23,6 +24,9 @@ fn strokes(svg: &str, colour: &str) -> usize {
 const MODEL: &str = "#1446A0";
 const MEASURED: &str = "#191919";
 const CLASSICAL: &str = "#CD5500";
+/// Lines of the grid, and of the directions of light and mirror.
+const GRID: &str = "#D7D7D7";
+const MARK: &str = "#6E6E6E";
 
 #[test]
 fn three_incidences_give_the_six_graphs_of_the_preprint() {
@@ -75,7 +79,7 @@ fn graphs_are_the_same_bytes_every_time() {
 fn numbering_follows_the_number_of_incidences() {
     for incidences in [&[15.0][..], &[0.0, 20.0, 40.0, 75.0]] {
         let mut data = data();
-        data.curves = curves(incidences, &views(), &SOURCES);
+        data.curves = curves(incidences, &views(), &ROLES);
         let graphs = graphs(&data);
         assert_eq!(graphs.len(), 2 * incidences.len());
         let first_with_classical = graphs[incidences.len()].svg().unwrap();
@@ -87,7 +91,7 @@ fn numbering_follows_the_number_of_incidences() {
 #[test]
 fn without_a_measured_curve_nothing_is_said_of_a_sample() {
     let mut data = data();
-    data.curves = curves(&[30.0], &views(), &[Source::Model, Source::Classical]);
+    data.curves = curves(&[30.0], &views(), &[Role::Model, Role::Classical]);
     let svg = graphs(&data)[0].svg().unwrap();
     assert!(svg.contains("Light at 30° from the normal: model"));
     assert!(!svg.contains("MERL") && !svg.contains("measured (") && strokes(&svg, MEASURED) == 0);
@@ -104,13 +108,13 @@ fn negative_values_single_views_and_missing_numbers_are_drawn() {
     let svg = graphs(&data)[0].svg().unwrap();
     assert!(svg.contains("−0.0"), "the ordinates go below 0");
 
-    data.curves = curves(&[0.0], &[0.0], &SOURCES);
+    data.curves = curves(&[0.0], &[0.0], &ROLES);
     let svg = graphs(&data)[1].svg().unwrap();
     for colour in [MODEL, MEASURED, CLASSICAL] {
         assert!(strokes(&svg, colour) > 0, "{colour}");
     }
 
-    data.curves = curves(&[0.0], &views(), &SOURCES);
+    data.curves = curves(&[0.0], &views(), &ROLES);
     for point in &mut data.curves {
         point.se = f64::NAN;
         if point.channel == Channel::R {
@@ -120,4 +124,71 @@ fn negative_values_single_views_and_missing_numbers_are_drawn() {
     let graphs = graphs(&data);
     assert!(graphs[1].svg().unwrap().contains("R: no data"));
     graphs[1].png().unwrap();
+}
+
+/// Second sources of each role have their own line, colour, label, errors and footnote.
+#[test]
+fn sources_side_by_side_are_told_apart() {
+    let mut data = data();
+    let second = |id: &SourceId| SourceId::from(format!("{id}-2"));
+    let more: Vec<Source> = data
+        .sources
+        .iter()
+        .map(|source| Source::numbered(source.role, 1, format!("another {}", source.id)))
+        .collect();
+    data.sources.extend(more);
+    let curves: Vec<CurvePoint> = data
+        .curves
+        .iter()
+        .map(|point| CurvePoint {
+            source: second(&point.source),
+            beta: 1.2 * point.beta,
+            ..point.clone()
+        })
+        .collect();
+    data.curves.extend(curves);
+    data.samples.push(SampleNote {
+        id: second(&data.samples[0].id),
+        name: "felt".into(),
+        ..data.samples[0].clone()
+    });
+    let rmse: Vec<Rmse> = data
+        .rmse
+        .iter()
+        .map(|metric| Rmse {
+            source: second(&metric.source),
+            sample: second(&metric.sample),
+            ..metric.clone()
+        })
+        .collect();
+    data.rmse.extend(rmse);
+
+    let graphs = graphs(&data);
+    let [without, with] = [&graphs[0], &graphs[3]].map(|graph| graph.svg().unwrap());
+    assert!(without.contains("Light at 0° from the normal: 2 models and 2 measured cloths"));
+    assert!(with.contains("2 models, 2 measured cloths and 2 classical models"));
+    let colours = |svg: &str| {
+        let strokes = svg.split("stroke=\"").skip(1).filter_map(|rest| rest.split('"').next());
+        let drawn = strokes.filter(|colour| ![GRID, MARK, "#000000", "none"].contains(colour));
+        drawn.map(str::to_owned).collect::<BTreeSet<_>>()
+    };
+    assert_eq!((colours(&without).len(), colours(&with).len()), (4, 6));
+    for label in ["another model", "another classical", "another measured", "Sample: felt"] {
+        assert!(with.contains(label), "{label}");
+    }
+    let table = String::from_utf8(curves_csv(&data).unwrap()).unwrap();
+    assert!(table.contains(",model-2,r,") && table.contains(",classical-2,y,") && table.contains(",measured-2,b,"));
+    let summary = summary(&data);
+    assert!(summary.contains("model and classical against measured:"), "{summary}");
+    assert!(
+        summary.contains("model-2 and classical-2 against measured-2:"),
+        "{summary}"
+    );
+    let document: serde_json::Value = serde_json::from_str(&report_json(&data).unwrap()).unwrap();
+    assert_eq!(document["more_samples"][0]["name"], "felt");
+    assert_eq!(document["rmse"][data.rmse.len() - 1]["sample"], "measured-2");
+    assert!(document["rmse"][0].get("sample").is_none());
+    let scratch = tempfile::tempdir().unwrap();
+    std::fs::write(scratch.path().join(RESULT), result_json(&data).unwrap()).unwrap();
+    assert_eq!(read_result(scratch.path()).unwrap(), data);
 }

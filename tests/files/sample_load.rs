@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use specval::colour::{ColourSystem, Convention, Illuminant, RgbSpace};
-use specval::sample::{Kind, Sample, SampleError, Uncertainty, published_ratios};
+use specval::sample::{Kind, Sample, SampleError, SampleNotice, Uncertainty, published_ratios};
 use specval::spectrum::WavelengthGrid;
 
 const RGB: &str = "theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b\n";
@@ -160,7 +160,7 @@ fn layouts_and_names_of_instruments_are_read_alike() {
         assert!(sample.raw().eq(long.raw()), "{text}");
     }
     let renamed = load("incidence,theta_r,450,550\n30,10,0.1,0.2\n30,20,0.1,0.2\n").unwrap();
-    let notice = &renamed.notices()[0];
+    let notice = renamed.notices()[0].to_string();
     assert!(
         notice.contains("'theta_r' as theta_v_deg") && notice.contains("mirror side"),
         "{notice}"
@@ -171,9 +171,16 @@ fn layouts_and_names_of_instruments_are_read_alike() {
 fn noise_below_zero_is_read_and_other_units_are_told() {
     let sample = load(format!("{SPECTRAL}0,0,450,-0.002\n0,0,550,0.4\n")).unwrap();
     assert_eq!(sample.raw().next().unwrap().beta, [-0.002, 0.4]);
-    assert!(sample.notices()[0].contains("1 values of the sample are below 0"));
+    assert_eq!(
+        sample.notices()[0],
+        SampleNotice::NegativeValues {
+            count: 1,
+            lowest: -0.002
+        }
+    );
     let told = |text: String, words: &str| {
-        let notices = load(text).unwrap().notices().concat();
+        let sample = load(text).unwrap();
+        let notices: String = sample.notices().iter().map(ToString::to_string).collect();
         assert!(notices.contains(words), "{notices}");
     };
     told(format!("{RGB}0,0,40,20,30\n0,10,41,21,31\n"), "per cent");

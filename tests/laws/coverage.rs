@@ -9,7 +9,7 @@
 
 use std::collections::BTreeMap;
 
-use specval::compare::{Channels, Comparison, Geometry, Inputs, Propagation, Source, model_colour_ratios};
+use specval::compare::{Channels, Comparison, Geometry, Propagation, Role, model_colour_ratios};
 use specval::rig::{PixelSamples, omega_in, omega_out};
 use specval::run::{Plan, Simulator, SpectralCurves};
 use specval::sample::Reading;
@@ -131,19 +131,14 @@ fn quantities(plan: &Plan, measured: &[Option<Reading>]) -> Quantities {
             put(&format!("curve {name}"), of.value, of.se);
         }
     }
-    let comparison = Comparison::new(&Inputs {
-        geometries: &geometries,
-        model_batches: &batches,
-        classical: &vec![[1.0; 4]; geometries.len()],
-        measured,
-    })
-    .unwrap();
-    let of = comparison.normalisation.unwrap().model;
+    let comparison =
+        Comparison::of_one_each(&geometries, &batches, &vec![[1.0; 4]; geometries.len()], measured).unwrap();
+    let of = &comparison.normalisation[0].factor;
     put("normalisation", of.value, of.se);
     for point in &comparison.curves {
         // Normalisation makes the luminance at the normal the measured one.
         let fixed = point.channel as usize == 3 && point.theta_i_deg == 0.0 && point.theta_v_deg == 0.0;
-        if point.source == Source::Model && !fixed {
+        if point.source == Role::Model.id() && !fixed {
             put(
                 &format!("normalised {}", CHANNELS[point.channel as usize]),
                 point.beta,

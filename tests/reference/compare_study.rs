@@ -5,12 +5,13 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use specval::colour::{ColourSystem, Convention};
 use specval::compare::{
-    Channel, Channels, CompareError, Comparison, Geometry, Inputs, Propagation, RmseRatio, Source, Verdict, hue,
-    model_colour_ratios,
+    Channel, Channels, CompareError, Compared, Comparison, Geometry, Inputs, Propagation, Rmse, RmseRatio, Role,
+    Source, Verdict, hue, model_colour_ratios,
 };
 use specval::sample::{Reading, Sample};
 use specval::spectrum::WavelengthGrid;
 use statrs::distribution::{ContinuousCDF, Normal};
+use std::collections::BTreeSet;
 
 /// Luminance row of linear sRGB, enough digits for synthetic data.
 const Y_ROW: [f64; 3] = [0.2126, 0.7152, 0.0722];
@@ -40,8 +41,8 @@ fn line(theta_i_deg: f64, views: &[f64]) -> Vec<Geometry> {
         .collect()
 }
 
-fn find(ratios: &[RmseRatio], channel: Channel) -> RmseRatio {
-    *ratios.iter().find(|r| r.channel == channel).unwrap()
+fn find(ratios: &[RmseRatio], channel: Channel) -> &RmseRatio {
+    ratios.iter().find(|r| r.channel == channel).unwrap()
 }
 
 #[test]
@@ -52,25 +53,22 @@ fn without_noise_every_number_is_the_one_worked_out_by_hand() {
     let model: Vec<Channels> = [0.2, 0.4, 0.4, 0.1].map(|r| rgby(2.0 * r, 0.2, 0.2)).to_vec();
     let classical = [rgby(0.4, 0.1, 0.1); 4];
     let options = measured.map(Some);
-    let comparison = Comparison::new(&Inputs {
-        geometries: &geometries,
-        model_batches: &[model.clone(), model],
-        classical: &classical,
-        measured: &options,
-    })
-    .unwrap();
+    let comparison = Comparison::of_one_each(&geometries, &[model.clone(), model], &classical, &options).unwrap();
     let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-14, "{a} {b}");
-    let normalisation = comparison.normalisation.unwrap();
-    close(normalisation.model.value, 0.5);
-    close(normalisation.classical.value, 1.0);
-    let rmse = |source| {
-        *comparison
+    let [model, classical] = comparison.normalisation.as_slice() else {
+        panic!("{:?}", comparison.normalisation);
+    };
+    assert!(model.source == "model" && classical.source == "classical");
+    close(model.factor.value, 0.5);
+    close(classical.factor.value, 1.0);
+    let rmse = |role: Role| {
+        comparison
             .rmse
             .iter()
-            .find(|m| m.source == source && m.channel == Channel::R)
+            .find(|m| m.source == role.id() && m.channel == Channel::R)
             .unwrap()
     };
-    let (model, flat) = (rmse(Source::Model), rmse(Source::Classical));
+    let (model, flat) = (rmse(Role::Model), rmse(Role::Classical));
     close(model.rmse.value, (0.01f64 / 4.0).sqrt());
     close(model.relative.unwrap().value, (0.01f64 / 4.0).sqrt() / 0.25);
     close(flat.rmse.value, ((0.04 + 0.01 + 0.09) / 4.0f64).sqrt());
@@ -82,17 +80,17 @@ fn without_noise_every_number_is_the_one_worked_out_by_hand() {
     // Green is exact in both: no ratio of nothing to nothing.
     let green = find(&comparison.rmse_ratios, Channel::G);
     assert_eq!((green.verdict, green.interval), (Verdict::CannotTell, None));
-    let peak = |source| {
+    let peak = |role: Role| {
         comparison
             .peaks
             .iter()
-            .find(|p| p.source == source && p.channel == Channel::R)
+            .find(|p| p.source == role.id() && p.channel == Channel::R)
             .unwrap()
     };
     // Parabola through (-10, .2), (0, .4), (10, .3): vertex at 10/6; equal heights at 0 and 10: the first counts.
-    close(peak(Source::Measured).angle_deg.unwrap().value, 10.0 / 6.0);
-    close(peak(Source::Model).angle_deg.unwrap().value, 5.0);
-    assert_eq!(peak(Source::Classical).angle_deg, None);
+    close(peak(Role::Measured).angle_deg.unwrap().value, 10.0 / 6.0);
+    close(peak(Role::Model).angle_deg.unwrap().value, 5.0);
+    assert_eq!(peak(Role::Classical).angle_deg, None);
     for row in &comparison.colour_ratios {
         close(row.ratios.blue_over_red.value, 0.25);
         close(row.ratios.green_over_red.value, 0.25);
@@ -101,7 +99,7 @@ fn without_noise_every_number_is_the_one_worked_out_by_hand() {
     let point = comparison
         .curves
         .iter()
-        .find(|p| p.source == Source::Model && p.theta_v_deg == 10.0)
+        .find(|p| p.source == Role::Model.id() && p.theta_v_deg == 10.0)
         .unwrap();
     close(point.beta, 0.4);
 }
@@ -164,7 +162,7 @@ fn the_scale_of_a_source_changes_its_coefficient_alone() {
         study.compare(&scaled, &measured)
     };
     let (one, other) = (run(1.0), run(2.9));
-    let of = |comparison: &Comparison| comparison.normalisation.unwrap().model.value;
+    let of = |comparison: &Comparison| comparison.normalisation[0].factor.value;
     assert!((of(&one) / of(&other) / 2.9 - 1.0).abs() < 1e-14);
     for (a, b) in one.curves.iter().zip(&other.curves) {
         assert!((a.beta - b.beta).abs() < 1e-14 && (a.se - b.se).abs() < 1e-14);
@@ -230,13 +228,7 @@ impl Study {
     }
 
     fn compare(&self, batches: &[Vec<Channels>], measured: &[Option<Reading>]) -> Comparison {
-        Comparison::new(&Inputs {
-            geometries: &self.geometries,
-            model_batches: batches,
-            classical: &self.classical,
-            measured,
-        })
-        .unwrap()
+        Comparison::of_one_each(&self.geometries, batches, &self.classical, measured).unwrap()
     }
 }
 
@@ -303,7 +295,7 @@ fn the_standard_error_of_the_coefficient_is_its_scatter() {
     let runs: Vec<_> = (0..TRIALS)
         .map(|seed| {
             let (batches, measured) = study.draw(0.05, 0.03, seed);
-            study.compare(&batches, &measured).normalisation.unwrap().model
+            study.compare(&batches, &measured).normalisation[0].factor
         })
         .collect();
     let count = runs.len() as f64;
@@ -325,17 +317,12 @@ fn incidences_are_kept_apart_and_views_without_measurement_left_out() {
         .map(|v| Some(Reading::independent(*v, [0.01; 4])))
         .collect();
     measured[2] = None;
-    let comparison = Comparison::new(&Inputs {
-        geometries: &geometries,
-        model_batches: &[values.clone(), values.clone()],
-        classical: &values,
-        measured: &measured,
-    })
-    .unwrap();
+    let comparison =
+        Comparison::of_one_each(&geometries, &[values.clone(), values.clone()], &values, &measured).unwrap();
     let views: Vec<(f64, usize)> = comparison
         .rmse
         .iter()
-        .filter(|m| m.channel == Channel::Y && m.source == Source::Model)
+        .filter(|m| m.channel == Channel::Y && m.source == Role::Model.id())
         .map(|m| (m.theta_i_deg, m.views))
         .collect();
     assert_eq!(views, [(0.0, 2), (30.0, 2)]);
@@ -344,7 +331,7 @@ fn incidences_are_kept_apart_and_views_without_measurement_left_out() {
     let peak = comparison
         .peaks
         .iter()
-        .find(|p| p.theta_i_deg == 30.0 && p.source == Source::Measured)
+        .find(|p| p.theta_i_deg == 30.0 && p.source == Role::Measured.id())
         .unwrap();
     assert_eq!((peak.angle_deg.unwrap().value, peak.at_edge), (-20.0, true));
     let json = serde_json::to_value(&comparison).unwrap();
@@ -371,13 +358,8 @@ fn a_built_in_sample_goes_through() {
         })
         .collect();
     let lambert = vec![measured[12].unwrap().beta; 81];
-    let comparison = Comparison::new(&Inputs {
-        geometries: &geometries,
-        model_batches: &[lambert.clone(), lambert.clone()],
-        classical: &lambert,
-        measured: &measured,
-    })
-    .unwrap();
+    let comparison =
+        Comparison::of_one_each(&geometries, &[lambert.clone(), lambert.clone()], &lambert, &measured).unwrap();
     assert_eq!(comparison.rmse_ratios.len(), 12);
     // The same curve twice: exactly 1, and nobody can tell.
     assert!(
@@ -389,7 +371,7 @@ fn a_built_in_sample_goes_through() {
     let ratios = comparison
         .colour_ratios
         .iter()
-        .find(|r| r.source == Source::Measured)
+        .find(|r| r.source == Role::Measured.id())
         .unwrap()
         .ratios;
     assert!((ratios.green_over_red.value - 0.047679 / 0.280098).abs() < 1e-15);
@@ -402,13 +384,7 @@ fn what_cannot_be_compared_is_refused() {
     let measured = vec![Some(Reading::independent(good[0], [0.0; 4])); 2];
     let run =
         |geometries: &[Geometry], batches: &[Vec<Channels>], classical: &[Channels], measured: &[Option<Reading>]| {
-            Comparison::new(&Inputs {
-                geometries,
-                model_batches: batches,
-                classical,
-                measured,
-            })
-            .unwrap_err()
+            Comparison::of_one_each(geometries, batches, classical, measured).unwrap_err()
         };
     let two = [good.clone(), good.clone()];
     assert_eq!(
@@ -452,17 +428,12 @@ fn without_the_normal_the_nearest_reading_normalises() {
         .to_vec();
     let doubled = values.map(|v| v.map(|x| 2.0 * x)).to_vec();
     let run = |model: &Vec<Channels>| {
-        Comparison::new(&Inputs {
-            geometries: &geometries,
-            model_batches: &[model.clone(), model.clone()],
-            classical: &values,
-            measured: &measured,
-        })
-        .unwrap()
+        Comparison::of_one_each(&geometries, &[model.clone(), model.clone()], &values, &measured).unwrap()
     };
     let comparison = run(&doubled);
-    assert_eq!(comparison.reference, geometries[1]);
-    assert_eq!(comparison.normalisation.unwrap().model.value, 0.5);
+    assert_eq!(comparison.references, [geometries[1]]);
+    assert_eq!(comparison.normalisation[0].factor.value, 0.5);
+    assert_eq!(comparison.normalisation[0].at, geometries[1]);
     assert!(
         comparison
             .rmse
@@ -471,11 +442,11 @@ fn without_the_normal_the_nearest_reading_normalises() {
     );
     // A model without light is compared as it is.
     let dark = run(&vec![[0.0; 4]; 4]);
-    assert_eq!(dark.normalisation, None);
+    assert_eq!(dark.normalisation, []);
     let red = dark
         .rmse
         .iter()
-        .find(|m| m.channel == Channel::R && m.source == Source::Model)
+        .find(|m| m.channel == Channel::R && m.source == Role::Model.id())
         .unwrap();
     assert!((red.rmse.value - (0.29f64 / 3.0).sqrt()).abs() < 1e-15);
 }
@@ -527,4 +498,119 @@ fn hues_that_plainly_differ_are_told() {
     );
     // Two greys have no hue to differ in.
     assert!(!compared(grey, rgby(0.2, 0.2, 0.21)).plainly_different);
+}
+
+/// Two models, two classical shadings and two samples: each pair has its own errors, each sample its own normalisation.
+#[test]
+fn sources_stand_side_by_side() {
+    let geometries = line(0.0, &[-20.0, 0.0, 20.0]);
+    let source = |role, place| Source::numbered(role, place, format!("{role:?} {place}"));
+    let [models, shadings, samples] =
+        [Role::Model, Role::Classical, Role::Measured].map(|role| [source(role, 0), source(role, 1)]);
+    let grey = |values: [f64; 3]| values.map(|v| [v; 4]).to_vec();
+    let batches = [[0.2, 0.4, 0.3], [0.4, 0.4, 0.4]].map(|values| vec![grey(values); 2]);
+    let formulas = [[0.3, 0.3, 0.3], [0.1, 0.2, 0.1]].map(grey);
+    let readings =
+        [[0.4, 0.8, 0.4], [0.1, 0.2, 0.3]].map(|values| values.map(|v| Some(Reading::independent([v; 4], [0.0; 4]))));
+    let inputs = |models: &[Compared<Vec<Channels>>], shadings: &[Compared<Channels>]| {
+        Comparison::new(&Inputs {
+            geometries: &geometries,
+            models,
+            classical: shadings,
+            measured: &[
+                Compared::new(&samples[0], &readings[0]),
+                Compared::new(&samples[1], &readings[1]),
+            ],
+        })
+    };
+    let both_models = [
+        Compared::new(&models[0], &batches[0]),
+        Compared::new(&models[1], &batches[1]),
+    ];
+    let both_shadings = [
+        Compared::new(&shadings[0], &formulas[0]),
+        Compared::new(&shadings[1], &formulas[1]),
+    ];
+    let found = inputs(&both_models, &both_shadings).unwrap();
+    let ids: Vec<&str> = found.sources.iter().map(|source| source.id.as_str()).collect();
+    assert_eq!(
+        ids,
+        ["model", "model-2", "classical", "classical-2", "measured", "measured-2"]
+    );
+    // Curves are normalised to the first sample, whose luminance at the normal is 0.8.
+    let curve = |id: &str| -> Vec<f64> {
+        let points = found
+            .curves
+            .iter()
+            .filter(|p| p.source == id && p.channel == Channel::Y);
+        points.map(|p| p.beta).collect()
+    };
+    let close = |a: &[f64], b: &[f64]| {
+        assert!(
+            a.len() == b.len() && std::iter::zip(a, b).all(|(a, b)| (a - b).abs() < 1e-14),
+            "{a:?} {b:?}"
+        );
+    };
+    close(&curve("model"), &[0.4, 0.8, 0.6]);
+    close(&curve("model-2"), &[0.8, 0.8, 0.8]);
+    close(&curve("classical"), &[0.8, 0.8, 0.8]);
+    close(&curve("classical-2"), &[0.4, 0.8, 0.4]);
+    close(&curve("measured"), &[0.4, 0.8, 0.4]);
+    close(&curve("measured-2"), &[0.1, 0.2, 0.3]);
+    // Beside the second sample, 0.2 at the normal, a source is a quarter of that.
+    let rmse = |id: &str, sample: &str| {
+        let of = |m: &&Rmse| m.source == id && m.sample == sample && m.channel == Channel::Y;
+        let metrics: Vec<f64> = found.rmse.iter().filter(of).map(|m| m.rmse.value).collect();
+        assert_eq!(metrics.len(), 1, "{id} {sample}");
+        metrics[0]
+    };
+    close(
+        &[
+            rmse("model", "measured"),
+            rmse("model-2", "measured"),
+            rmse("classical-2", "measured"),
+            rmse("model", "measured-2"),
+            rmse("model-2", "measured-2"),
+            rmse("classical-2", "measured-2"),
+        ],
+        &[
+            (0.04f64 / 3.0).sqrt(),
+            (0.32f64 / 3.0).sqrt(),
+            0.0,
+            (0.0225f64 / 3.0).sqrt(),
+            (0.02f64 / 3.0).sqrt(),
+            (0.04f64 / 3.0).sqrt(),
+        ],
+    );
+    // Every model has a verdict beside every shading and sample, and no two of them are the same.
+    let luminance = || found.rmse_ratios.iter().filter(|r| r.channel == Channel::Y);
+    let pairs: BTreeSet<_> = luminance().map(|r| (&r.model, &r.classical, &r.sample)).collect();
+    assert_eq!((pairs.len(), luminance().count()), (8, 8));
+    let factors: Vec<f64> = found.normalisation.iter().map(|of| of.factor.value).collect();
+    close(&factors, &[2.0, 2.0, 0.8 / 0.3, 4.0, 0.5, 0.5, 0.2 / 0.3, 1.0]);
+    assert_eq!(found.references.len(), 2);
+
+    let again = [
+        Compared::new(&models[0], &batches[0]),
+        Compared::new(&models[0], &batches[1]),
+    ];
+    let twice = inputs(&again, &both_shadings).unwrap_err();
+    assert!(
+        matches!(&twice, CompareError::SameId { id } if *id == "model"),
+        "{twice}"
+    );
+    // A formula alone has its errors from the samples.
+    let formulas_alone = inputs(&[], &both_shadings).unwrap();
+    assert_eq!(formulas_alone.rmse.len(), 2 * 2 * 4);
+    assert_eq!(formulas_alone.rmse_ratios, []);
+    assert!(formulas_alone.rmse.iter().all(|m| m.rmse.se == 0.0));
+    // Without a sample curves are absolute.
+    let absolute = Comparison::new(&Inputs {
+        geometries: &geometries,
+        models: &both_models,
+        classical: &both_shadings,
+        measured: &[],
+    });
+    let first: Vec<f64> = absolute.unwrap().curves[..3].iter().map(|p| p.beta).collect();
+    close(&first, &[0.2, 0.4, 0.3]);
 }

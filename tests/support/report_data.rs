@@ -4,8 +4,13 @@ use specval::compare::*;
 use specval::report::*;
 use specval::transport::Fraction;
 
+const NORMAL: Geometry = Geometry {
+    theta_i_deg: 0.0,
+    theta_v_deg: 0.0,
+};
+
 /// β of a made-up red cloth: a broad lobe about the mirror direction on a Lambert floor.
-fn beta(source: Source, channel: Channel, theta_i_deg: f64, theta_v_deg: f64) -> f64 {
+fn beta(source: Role, channel: Channel, theta_i_deg: f64, theta_v_deg: f64) -> f64 {
     let level = match channel {
         Channel::R => 0.25,
         Channel::G => 0.004,
@@ -14,31 +19,31 @@ fn beta(source: Source, channel: Channel, theta_i_deg: f64, theta_v_deg: f64) ->
     };
     let lobe = |width: f64| (-((theta_v_deg - theta_i_deg) / width).powi(2)).exp();
     match source {
-        Source::Model => level * (0.9 + 0.15 * lobe(25.0) + 0.1 * (theta_v_deg / 70.0).powi(2)),
-        Source::Classical => level * (0.95 + 0.3 * lobe(12.0)),
-        Source::Measured => level * (0.8 + 0.25 * lobe(35.0)),
+        Role::Model => level * (0.9 + 0.15 * lobe(25.0) + 0.1 * (theta_v_deg / 70.0).powi(2)),
+        Role::Classical => level * (0.95 + 0.3 * lobe(12.0)),
+        Role::Measured => level * (0.8 + 0.25 * lobe(35.0)),
     }
 }
 
-fn se(source: Source, beta: f64) -> f64 {
+fn se(source: Role, beta: f64) -> f64 {
     match source {
-        Source::Model => 0.02 * beta,
-        Source::Classical | Source::Measured => 0.05 * beta,
+        Role::Model => 0.02 * beta,
+        Role::Classical | Role::Measured => 0.05 * beta,
     }
 }
 
-pub fn curves(incidences_deg: &[f64], views_deg: &[f64], sources: &[Source]) -> Vec<CurvePoint> {
+pub fn curves(incidences_deg: &[f64], views_deg: &[f64], roles: &[Role]) -> Vec<CurvePoint> {
     let mut curves = Vec::new();
     for &theta_i_deg in incidences_deg {
-        for &source in sources {
+        for &role in roles {
             for channel in [Channel::R, Channel::G, Channel::B, Channel::Y] {
                 for &theta_v_deg in views_deg {
-                    let beta = beta(source, channel, theta_i_deg, theta_v_deg);
-                    let se = se(source, beta);
+                    let beta = beta(role, channel, theta_i_deg, theta_v_deg);
+                    let se = se(role, beta);
                     curves.push(CurvePoint {
                         theta_i_deg,
                         theta_v_deg,
-                        source,
+                        source: role.id().into(),
                         channel,
                         beta,
                         se,
@@ -55,7 +60,17 @@ pub fn views() -> Vec<f64> {
     (-12..=14).map(|k| 5.0 * f64::from(k)).collect()
 }
 
-pub const SOURCES: [Source; 3] = [Source::Model, Source::Classical, Source::Measured];
+pub const ROLES: [Role; 3] = [Role::Model, Role::Classical, Role::Measured];
+
+/// One source a role.
+fn sources() -> Vec<Source> {
+    let label = |role| match role {
+        Role::Model => "model",
+        Role::Classical => "classical model",
+        Role::Measured => "measured (fit of a measurement)",
+    };
+    ROLES.map(|role| Source::numbered(role, 0, label(role))).to_vec()
+}
 
 pub fn table1() -> Vec<Table1Row> {
     let row = |row, blue: Option<f64>, blue_se: Option<f64>, green: Option<f64>, green_se: Option<f64>| Table1Row {
@@ -112,19 +127,23 @@ pub fn data() -> ReportData {
     let mut rmse = Vec::new();
     let mut rmse_ratios = Vec::new();
     for theta_i_deg in [0.0, 30.0, 60.0] {
-        for (source, value) in [(Source::Model, 0.011), (Source::Classical, 0.022)] {
+        for (role, value) in [(Role::Model, 0.011), (Role::Classical, 0.022)] {
             rmse.push(Rmse {
                 theta_i_deg,
-                source,
+                source: role.id().into(),
                 channel: Channel::R,
                 rmse: estimate(value, 0.1 * value),
                 relative: None,
                 views: 27,
+                sample: Role::Measured.id().into(),
             });
         }
         rmse_ratios.push(RmseRatio {
             theta_i_deg,
             channel: Channel::R,
+            model: Role::Model.id().into(),
+            classical: Role::Classical.id().into(),
+            sample: Role::Measured.id().into(),
             ratio: 2.0,
             interval: Some([1.3, 2.9]),
             too_few_paths: false,
@@ -134,42 +153,49 @@ pub fn data() -> ReportData {
     ReportData {
         wavelengths_nm: vec![500.0, 600.0],
         colour_convention: "CIE 1931 2°, D65, linear sRGB, no adaptation".to_owned(),
-        curves: curves(&[0.0, 30.0, 60.0], &views(), &SOURCES),
+        sources: sources(),
+        curves: curves(&[0.0, 30.0, 60.0], &views(), &ROLES),
         table1: table1(),
         conventions: vec![Convention {
             convention: "CIE 1931 2°, E, CIE RGB, no adaptation".to_owned(),
             rows: table1(),
         }],
         energy: energy(),
-        normalisation: Some(Normalisation {
-            model: estimate(0.931, 0.0121),
-            classical: estimate(1.0, 0.05),
-        }),
+        normalisation: [
+            (Role::Model, estimate(0.931, 0.0121)),
+            (Role::Classical, estimate(1.0, 0.05)),
+        ]
+        .map(|(role, factor)| Coefficient {
+            source: role.id().into(),
+            sample: Role::Measured.id().into(),
+            at: NORMAL,
+            factor,
+        })
+        .to_vec(),
         rmse,
         peaks: vec![Peak {
             theta_i_deg: 30.0,
-            source: Source::Model,
+            source: Role::Model.id().into(),
             channel: Channel::R,
             angle_deg: Some(estimate(35.0, 2.0)),
             at_edge: false,
+            sample: Role::Measured.id().into(),
         }],
         rmse_ratios,
-        sample: SampleNote {
+        samples: vec![SampleNote {
+            id: Role::Measured.id().into(),
             name: "MERL red-fabric".to_owned(),
             kind: "fit of a measurement".to_owned(),
             source: "W. Matusik et al. 2003, fit by A. Sztrajman et al. 2021".to_owned(),
             licence: "CC-BY-SA-4.0".to_owned(),
             uncertainty_stated: true,
             caption: "5 % standard uncertainty; linear camera RGB of the MERL rig, not CIE.".to_owned(),
-        },
+        }],
         readings: ReadingCount {
             total: 81,
             used: 81,
             tolerance_deg: 0.25,
-            normalised_at: Some(Geometry {
-                theta_i_deg: 0.0,
-                theta_v_deg: 0.0,
-            }),
+            normalised_at: Some(NORMAL),
             ..ReadingCount::default()
         },
         hue: None,
@@ -198,8 +224,12 @@ pub fn data() -> ReportData {
                     largest_error: Some(0.0098),
                 }),
             },
-            fallbacks: vec!["none asked for".to_owned()],
-            notices: vec!["the sweep stops at BLUE/RED 0.047".to_owned()],
+            fallbacks: vec![Fallback::UncertaintyNotStated],
+            notices: vec![Notice::SweepRange {
+                ratio: TableRatio::BlueOverRed,
+                range: [0.047, 0.26],
+                preprint: [0.05, 0.25],
+            }],
         },
     }
 }

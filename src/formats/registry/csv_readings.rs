@@ -264,9 +264,9 @@ impl Readings {
         if !table.renamed().is_empty() {
             notices.push(format!("columns were read as these: {}", table.renamed().join(", ")));
         }
-        notices.extend(plausibility::repeated(self.repeated));
+        notices.extend(plausibility::repeated(self.repeated).map(|doubt| doubt.to_string()));
         match plausibility::below_zero("beta", self.lowest.0, self.highest, self.negative) {
-            Ok(notice) => notices.extend(notice),
+            Ok(doubt) => notices.extend(doubt.map(|doubt| doubt.to_string())),
             Err([expected, found, remedy]) => {
                 return Err(table.row_error(self.lowest.1, &expected, &found, &remedy));
             }
@@ -277,9 +277,10 @@ impl Readings {
                 .flatten()
                 .flat_map(|point| point.values.iter().copied())
         };
-        notices.extend(plausibility::per_cent_for_fractions("beta", values()));
+        let per_cent = plausibility::per_cent_for_fractions("beta", values());
         let angles = self.angles.iter().flatten().map(|angle| angle.to_degrees());
-        notices.extend(plausibility::radians_for_degrees(angles));
+        let radians = plausibility::radians_for_degrees(angles);
+        notices.extend(per_cent.into_iter().chain(radians).map(|doubt| doubt.to_string()));
         Ok(notices)
     }
 }

@@ -1,0 +1,79 @@
+//! What the reader of a sample assumed, left out or found implausible.
+
+use crate::number::shown;
+use crate::spectrum::Doubt;
+use serde::{Deserialize, Serialize};
+use std::fmt::{self, Display, Formatter};
+
+/// A notice of a sample's reader. [`Display`] gives its words.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "id", rename_all = "kebab-case")]
+pub enum SampleNotice {
+    /// Of the table or format of the file, such as its encoding or its decimal sign, in the words of its reader.
+    File { words: String },
+    /// Values or angles that look like those of another unit, or readings that repeat.
+    Doubt { doubt: Doubt },
+    /// Columns that were read by another name. `unsigned`: no view is below 0.
+    RenamedColumns { columns: Vec<String>, unsigned: bool },
+    /// Values below 0 within noise.
+    NegativeValues { count: usize, lowest: f64 },
+    /// Values at wavelengths without colour-matching functions.
+    OutsideColour { count: usize },
+    /// Components of the file beside the one that is the sample.
+    OtherComponents {
+        path: String,
+        component: String,
+        others: Vec<String>,
+    },
+}
+
+impl SampleNotice {
+    /// Of notices that the reader of the file worded.
+    pub(super) fn of_file(words: &[String]) -> impl Iterator<Item = Self> {
+        words.iter().map(|words| Self::File { words: words.clone() })
+    }
+}
+
+impl From<Doubt> for SampleNotice {
+    fn from(doubt: Doubt) -> Self {
+        Self::Doubt { doubt }
+    }
+}
+
+impl Display for SampleNotice {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        match self {
+            Self::File { words } => f.write_str(words),
+            Self::Doubt { doubt } => doubt.fmt(f),
+            Self::RenamedColumns { columns, unsigned } => {
+                let sign = match unsigned {
+                    true => "no view is below 0, so all are on the mirror side of the normal",
+                    false => "views below 0 are on the light's side of the normal",
+                };
+                write!(
+                    f,
+                    "columns of the sample were read as these: {}; {sign}",
+                    columns.join(", ")
+                )
+            }
+            Self::NegativeValues { count, lowest } => write!(
+                f,
+                "{count} values of the sample are below 0, the lowest {}: taken as they are, as noise about 0",
+                shown(*lowest)
+            ),
+            Self::OutsideColour { count } => write!(
+                f,
+                "{count} values of the sample are outside 360..780 nm, where the CIE tables are: left out"
+            ),
+            Self::OtherComponents {
+                path,
+                component,
+                others,
+            } => write!(
+                f,
+                "{path}: the sample is the {component}; the file also has, and --scatter and --side choose: {}",
+                others.join(", ")
+            ),
+        }
+    }
+}
