@@ -1,7 +1,10 @@
 //! Keys of older studies: they are still read, and a notice says what to write in their place. Each is a row of [`OLD_KEYS`].
 
+use super::Study;
 use super::fields::{Field, Kind};
 use crate::text::is_path;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 
 /// A key that studies no longer have.
 pub(super) struct OldKey {
@@ -100,5 +103,34 @@ impl OldKey {
             notice += &format!(", for {other}, which is passed over");
         }
         Some(notice)
+    }
+}
+
+/// The study in a file that an earlier version may have written, without the keys that have no effect any more.
+///
+/// # Errors
+/// What is no study.
+pub fn study_of_any_age<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Study, D::Error> {
+    let mut study = serde_json::Value::deserialize(deserializer)?;
+    for OldKey { section, field, now } in OLD_KEYS {
+        if let (Now::Dropped(_), Some(section)) = (now, study.get_mut(section).and_then(|of| of.as_object_mut())) {
+            section.remove(field.key);
+        }
+    }
+    Study::deserialize(study).map_err(D::Error::custom)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_study_in_an_older_file_is_read_without_the_keys_that_have_no_effect() {
+        let mut written = serde_json::to_value(Study::default()).unwrap();
+        written["cloth"]["segments_around"] = 48.into();
+        written["cloth"]["segments_along"] = 24.into();
+        assert_eq!(study_of_any_age(written.clone()).unwrap(), Study::default());
+        written["cloth"]["no_such_key"] = 1.into();
+        assert!(study_of_any_age(written).is_err());
     }
 }

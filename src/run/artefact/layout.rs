@@ -2,7 +2,7 @@ use crate::artefact::{ArrayInfo, ArtefactError, ElementType, Identity, Kind, Rea
 use crate::report::InputDigest;
 use crate::run::plan::{bssrdf_surface, factor_grid, incident_grid};
 use crate::run::{Plan, Reabsorbed, RunError};
-use crate::study::Study;
+use crate::study::{Study, study_of_any_age};
 use crate::yarn::{BssrdfGrid, IncidentGrid, LengthBins, YarnResponseGrid};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -11,6 +11,7 @@ use std::path::Path;
 /// All that the numbers of a trace of the yarn depend on: the identity of its files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct YarnSettings {
+    #[serde(deserialize_with = "study_of_any_age")]
     pub study: Study,
     /// Digests of the tables and files that went in.
     pub inputs: Vec<InputDigest>,
