@@ -44,6 +44,11 @@ impl EnergyRow {
         }
     }
 
+    /// Every column in the order of [`Column::ALL`].
+    pub fn columns(&self) -> [Estimate; Column::COUNT] {
+        Column::ALL.map(|column| self.column(column))
+    }
+
     /// Names of the columns of `energy.csv`.
     pub fn header() -> Vec<&'static str> {
         let columns = Column::ALL.into_iter();

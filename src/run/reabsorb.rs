@@ -113,13 +113,13 @@ pub fn reabsorb(
     let change = Reabsorption::new(bins, &traced.yarn.medium, &wanted.yarn.medium)?;
 
     let mut systematic = artefact.systematic.take().unwrap_or_else(|| Systematic {
-        direct: vec![0.0; artefact.direct.mean.len()],
+        direct: vec![0.0; artefact.tables.direct.mean.len()],
         energy: vec![0.0; 2 * artefact.layout.incident.traced() * artefact.layout.wavelengths()],
     });
-    let by_length = &mut artefact.by_length;
+    let by_length = &mut artefact.tables.by_length;
     let support = change.table(
-        &mut artefact.direct.mean,
-        &mut artefact.direct.se,
+        &mut artefact.tables.direct.mean,
+        &mut artefact.tables.direct.se,
         ByLength {
             mean: &mut by_length.mean,
             se: &mut by_length.se,
@@ -127,7 +127,10 @@ pub fn reabsorb(
         },
         &mut systematic.direct,
     )?;
-    let energy = change.energy(&mut artefact.energy_by_length.mean, &mut artefact.energy_by_length.se)?;
+    let energy = change.energy(
+        &mut artefact.tables.energy_by_length.mean,
+        &mut artefact.tables.energy_by_length.se,
+    )?;
     let wavelengths = artefact.layout.wavelengths();
     let incident = artefact.layout.incident;
     let mut light = vec![[0.0; 2]; energy.len()];
@@ -162,8 +165,8 @@ pub fn reabsorb(
     settings.study = wanted.study;
     settings.inputs = wanted.inputs;
     settings.reabsorbed.push(record);
-    artefact.summed = None;
-    artefact.bssrdf = None;
+    artefact.tables.summed = None;
+    artefact.tables.bssrdf = None;
     artefact.systematic = Some(systematic);
     Ok(artefact)
 }

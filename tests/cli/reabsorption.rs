@@ -83,8 +83,9 @@ fn chi_squared(reabsorbed: &YarnArtefact, retraced: &YarnArtefact, wavelength: u
             count += 1.0;
         }
     };
-    for i in (wavelength..reabsorbed.direct.mean.len()).step_by(n) {
-        let [a, b] = [&reabsorbed.direct, &retraced.direct].map(|table| (table.mean[i], f64::from(table.se[i])));
+    for i in (wavelength..reabsorbed.tables.direct.mean.len()).step_by(n) {
+        let [a, b] =
+            [&reabsorbed.tables.direct, &retraced.tables.direct].map(|table| (table.mean[i], f64::from(table.se[i])));
         add(a.0 - b.0, [a.1, b.1, systematic.direct[i].into()]);
     }
     let incident = reabsorbed.layout.incident;
@@ -161,18 +162,26 @@ fn no_change_changes_nothing() {
     let medium = Plan::new(before.layout.settings.study.clone()).unwrap().yarn.medium;
     let bins = LengthBins::from_edges(before.layout.axes.length_edges_mm.clone()).unwrap();
     let change = Reabsorption::new(bins, &medium, &medium).unwrap();
-    let mut systematic = vec![0.0; before.direct.mean.len()];
-    let lengths = &mut after.by_length;
+    let mut systematic = vec![0.0; before.tables.direct.mean.len()];
+    let lengths = &mut after.tables.by_length;
     let by_length = ByLength {
         mean: &mut lengths.mean,
         se: &mut lengths.se,
         moment_mm: &mut lengths.moment_mm,
     };
     change
-        .table(&mut after.direct.mean, &mut after.direct.se, by_length, &mut systematic)
+        .table(
+            &mut after.tables.direct.mean,
+            &mut after.tables.direct.se,
+            by_length,
+            &mut systematic,
+        )
         .unwrap();
     let ratios = change
-        .energy(&mut after.energy_by_length.mean, &mut after.energy_by_length.se)
+        .energy(
+            &mut after.tables.energy_by_length.mean,
+            &mut after.tables.energy_by_length.se,
+        )
         .unwrap();
     assert!(systematic.iter().all(|&error| error == 0.0));
     assert!(
@@ -181,15 +190,18 @@ fn no_change_changes_nothing() {
             .flatten()
             .all(|r| r.systematic == 0.0 && r.effective_share > 1.0 - 1e-12)
     );
-    for (a, b) in zip(&before.direct.mean, &after.direct.mean) {
+    for (a, b) in zip(&before.tables.direct.mean, &after.tables.direct.mean) {
         assert!(relative(*a, *b) < 1e-14, "{a} {b}");
     }
-    for (a, b) in zip(&before.energy_by_length.mean, &after.energy_by_length.mean) {
+    for (a, b) in zip(
+        &before.tables.energy_by_length.mean,
+        &after.tables.energy_by_length.mean,
+    ) {
         assert!(relative(*a, *b) < 1e-14, "{a} {b}");
     }
-    assert_eq!(before.direct.se, after.direct.se);
-    assert_eq!(before.by_length.mean, after.by_length.mean);
-    for (a, b) in zip(&before.by_length.moment_mm, &after.by_length.moment_mm) {
+    assert_eq!(before.tables.direct.se, after.tables.direct.se);
+    assert_eq!(before.tables.by_length.mean, after.tables.by_length.mean);
+    for (a, b) in zip(&before.tables.by_length.moment_mm, &after.tables.by_length.moment_mm) {
         assert!(relative(f64::from(*a), f64::from(*b)) < 1e-6, "{a} {b}");
     }
 }
@@ -207,8 +219,8 @@ fn there_and_back_again() {
         }
     }
     let mut worst: f64 = 0.0;
-    for (i, (a, b)) in zip(&before.direct.mean, &back.direct.mean).enumerate() {
-        worst = worst.max((a - b).abs() / f64::from(before.direct.se[i]));
+    for (i, (a, b)) in zip(&before.tables.direct.mean, &back.tables.direct.mean).enumerate() {
+        worst = worst.max((a - b).abs() / f64::from(before.tables.direct.se[i]));
     }
     assert!(worst < 0.001, "{worst} standard errors");
     assert_eq!(back.layout.settings.reabsorbed.len(), 2);
@@ -235,13 +247,13 @@ fn the_ledger_stays_closed_and_the_bins_add_up() {
         );
     }
     let (n, bins) = (WAVELENGTHS_NM.len(), after.layout.bins());
-    for (cell, rows) in after.by_length.mean.chunks(n * bins).enumerate() {
+    for (cell, rows) in after.tables.by_length.mean.chunks(n * bins).enumerate() {
         for w in 0..n {
             let sum: f64 = (0..bins).map(|bin| f64::from(rows[bin * n + w])).sum();
-            assert!(relative(sum, after.direct.mean[cell * n + w]) < 1e-5);
+            assert!(relative(sum, after.tables.direct.mean[cell * n + w]) < 1e-5);
         }
     }
-    assert!(after.bssrdf.is_none() && after.summed.is_none());
+    assert!(after.tables.bssrdf.is_none() && after.tables.summed.is_none());
 }
 
 /// Light that crosses the yarn without meeting a particle is known exactly: T² e^(−μ_t L) along one chord.

@@ -1,36 +1,63 @@
-use super::batch_arrays::{append_batch, batch_arrays, read_batch};
+use super::arrays::Entry;
+use super::catalogue::{BatchTables, Part};
 use super::layout::{damaged, parse};
-use super::{YarnArtefact, YarnLayout};
-use crate::artefact::{Kind, Reader, Writer};
-use crate::report::EnergyRow;
+use super::state::{ledgers_entry, read_ledgers};
+use super::{YarnArtefact, YarnBatch, YarnLayout, YarnSums};
+use crate::artefact::{ArrayInfo, Kind, Reader, Writer};
 use crate::run::shard::numbers;
-use crate::run::{Progress, RunError, Shard, ShardError, YarnSums, YarnTracer, energy_rows};
+use crate::run::{Progress, RunError, Shard, ShardError};
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Traces the batches of one shard into its file, each by itself, so that a merge can add them as a single run does. Holds
-/// one batch at a time. Returns the ledger of these batches.
-pub fn trace_shard(
-    tracer: &YarnTracer,
-    shard: Shard,
-    path: &Path,
-    progress: Progress,
-) -> Result<Vec<EnergyRow>, RunError> {
-    let layout = tracer.layout();
-    let batches = shard.batches(layout.batches())?;
-    let arrays: Vec<_> = batches.clone().flat_map(|batch| batch_arrays(&layout, batch)).collect();
-    let header = serde_json::json!({ "shard": shard.to_string(), "axes": layout.axes });
-    let mut file = Writer::create(path, Kind::Shard, &layout.identity()?, &header, &arrays)?;
-    let mut ledgers = Vec::with_capacity(batches.len());
-    for batch in batches.clone() {
-        let made = tracer.batch(batch);
-        append_batch(&mut file, batch, &made)?;
-        ledgers.push(made.ledgers);
-        progress(1.0 / batches.len() as f64);
+/// Writes the file of one shard: its batches each by itself, so that a merge can add them as a single run does. Holds one
+/// batch at a time.
+pub(in crate::run) struct ShardWriter<'a> {
+    layout: &'a YarnLayout,
+    file: Writer,
+}
+
+impl<'a> ShardWriter<'a> {
+    pub fn create(path: &Path, layout: &'a YarnLayout, shard: Shard) -> Result<Self, RunError> {
+        let batches = shard.batches(layout.batches())?;
+        let empty = YarnBatch {
+            ledgers: Vec::new(),
+            tables: BatchTables::default(),
+        };
+        let arrays: Vec<ArrayInfo> = batches
+            .flat_map(|batch| entries(layout, batch, &empty))
+            .map(|entry| entry.info)
+            .collect();
+        let header = serde_json::json!({ "shard": shard.to_string(), "axes": layout.axes });
+        let file = Writer::create(path, Kind::Shard, &layout.identity()?, &header, &arrays)?;
+        Ok(Self { layout, file })
     }
-    file.finish()?;
-    Ok(energy_rows(&layout.axes.wavelength_nm, &layout.incident, &ledgers))
+
+    /// Writes the next batch, of this number.
+    pub fn append(&mut self, number: usize, batch: &YarnBatch) -> Result<(), RunError> {
+        for entry in entries(self.layout, number, batch) {
+            entry.append(&mut self.file)?;
+        }
+        Ok(())
+    }
+
+    pub fn finish(self) -> Result<(), RunError> {
+        Ok(self.file.finish()?)
+    }
+}
+
+/// The arrays of one batch.
+fn entries<'a>(layout: &YarnLayout, number: usize, batch: &'a YarnBatch) -> Vec<Entry<'a>> {
+    let mut entries = vec![ledgers_entry(layout, number, &batch.ledgers)];
+    entries.extend(batch.tables.entries(layout, Part::Batch(number)));
+    entries
+}
+
+fn read_batch(file: &mut Reader, layout: &YarnLayout, number: usize) -> Result<YarnBatch, RunError> {
+    Ok(YarnBatch {
+        ledgers: read_ledgers(file, layout, number)?,
+        tables: BatchTables::read(file, layout, Part::Batch(number), true)?,
+    })
 }
 
 /// A shard's file, found sound.
