@@ -7,7 +7,7 @@ use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::transport::{Cylinder, Fraction, Ledger, Roulette};
 use specval::yarn::{
     BssrdfBatch, BssrdfGrid, DirectTracer, Effort, EnergyTracer, Estimator, IncidentGrid, PatchTracer, SurfaceGrid,
-    WeightTally, Yarn, YarnResponse, YarnResponseGrid,
+    WeightTally, Yarn, YarnResponse, YarnResponseGrid, scattered_beyond,
 };
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -315,6 +315,26 @@ fn interpolation_weights_are_exact_at_nodes_and_mirror() {
             let own = psi.cos() / grid.mean_cosine(tilt);
             assert!((here - own).abs() < 1e-9 && elsewhere < 1e-9, "{here} {elsewhere}");
             assert_eq!(response.eval(&light, &view), weights.contract(&response));
+        }
+    }
+}
+
+/// All scattered light leaves beyond distance 0 and none infinitely far; the fraction falls with distance, and absorption, which
+/// shortens paths, lowers it at every distance by far more than its standard errors.
+#[test]
+fn scattered_light_leaves_less_far_along_an_absorbing_yarn() {
+    let distances_mm = [0.0, 0.1, 0.3, f64::INFINITY];
+    let beyond = |kappa| scattered_beyond(&yarn(&[500.0, 650.0], kappa, Estimator::Shared), distances_mm, 5).unwrap();
+    let (white, dyed) = (beyond(0.0), beyond(0.002));
+    for (white, dyed) in std::iter::zip(white, dyed) {
+        println!("{white:?} {dyed:?}");
+        for of in [&white, &dyed] {
+            assert_eq!([of[0].value, of[3].value], [1.0, 0.0]);
+            assert!(of[0].value > of[1].value && of[1].value > of[2].value && of[2].value > 0.0);
+        }
+        for k in [1, 2] {
+            let se = white[k].se.hypot(dyed[k].se);
+            assert!(se > 0.0 && white[k].value - dyed[k].value > 5.0 * se);
         }
     }
 }
