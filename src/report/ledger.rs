@@ -32,7 +32,7 @@ pub fn ledger_ranges(rows: &[EnergyRow]) -> Vec<LedgerRange> {
 
 /// A notice if fractions of the ledger lie outside 0 to 1, which noise alone can cause.
 pub fn ledger_notice(rows: &[EnergyRow]) -> Option<String> {
-    // Beyond rounding.
+    // The margin is for rounding.
     let beyond = |value: f64| !(-1e-6..=1.0 + 1e-6).contains(&value);
     let noisy = [Fraction::Ballistic, Fraction::Scattered, Fraction::Absorbed];
     let is_noise = |row: &&EnergyRow| noisy.into_iter().any(|fraction| beyond(row[fraction].value));

@@ -124,8 +124,8 @@ impl Gather for Tracing<'_> {
     }
 }
 
-/// Largest standard error of the ledger's scattered fractions over wavelengths and directions, absolute or relative as the
-/// tolerance is; none for fewer than two batches.
+/// Largest standard error of the ledger's scattered fractions over wavelengths and directions, absolute or relative as
+/// the tolerance is; none for fewer than two batches.
 fn largest_error(scattered: &BatchSums, tolerance: Tolerance) -> Option<f64> {
     if scattered.batches < 2 {
         return None;
@@ -155,8 +155,8 @@ pub fn trace_shard(
     Ok(energy_rows(&layout.axes.wavelength_nm, &layout.incident, &ledgers))
 }
 
-/// Traces until the schedule's stop rule ends the run; its precision is that of the ledger's scattered fractions. Continues
-/// from `resumed`, if there is one, and keeps the state in the file `state`.
+/// Traces until the schedule's stop rule ends the run; its precision is that of the ledger's scattered fractions.
+/// Continues from `resumed`, if there is one, and keeps the state in the file `state`.
 ///
 /// # Errors
 /// A state of more batches than a run under this rule would have traced.

@@ -7,8 +7,8 @@ use crate::transport::{Estimate, Purpose};
 const BATCHES: usize = 16;
 const PATHS_PER_BATCH: usize = 4000;
 
-/// Fractions of the scattered light of a beam across a straight yarn that leave farther than each of these distances along
-/// it: [wavelength][distance].
+/// Fractions of the scattered light of a beam across a straight yarn that leave farther than each of these distances
+/// along it: [wavelength][distance].
 pub fn scattered_beyond<const N: usize>(
     yarn: &Yarn,
     distances_mm: [f64; N],

@@ -1,5 +1,5 @@
-//! Re-absorbed artefacts against retraced ones, and the laws of the re-weighting. Seeds are fixed; the false-alarm rates are
-//! those of new seeds.
+//! Re-absorbed artefacts against retraced ones, and the laws of the re-weighting. Seeds are fixed; the false-alarm
+//! rates are those of new seeds.
 
 use specval::geometry::Vec3;
 use specval::optics::Medium;
@@ -26,7 +26,8 @@ fn study(seed: u64, medium: MediumSection) -> Study {
     };
     study.spectrum.wavelengths_nm = Some(WAVELENGTHS_NM.to_vec());
     let trace = &mut study.trace;
-    // A path for each wavelength: their tests are then independent, and cells of a dyed wavelength not noisier than others.
+    // A path for each wavelength: their tests are then independent, and cells of a dyed wavelength not noisier than
+    // others.
     trace.estimator = EstimatorChoice::Independent;
     trace.batches = 64;
     trace.paths_direct = 64 * 1000;
@@ -70,8 +71,8 @@ fn changed(of: YarnArtefact, medium: MediumSection) -> YarnArtefact {
     reabsorb(of, "0".repeat(64), medium).unwrap()
 }
 
-/// χ² of the differences at one wavelength, with their number: all cells of f* that light reaches, and what leaves for every traced
-/// direction.
+/// χ² of the differences at one wavelength, with their number: all cells of f* that light reaches, and what leaves for
+/// every traced direction.
 fn chi_squared(reabsorbed: &YarnArtefact, retraced: &YarnArtefact, wavelength: usize) -> (f64, f64) {
     let n = WAVELENGTHS_NM.len();
     let systematic = reabsorbed.systematic.as_ref().unwrap();
@@ -116,8 +117,8 @@ fn chi_squared(reabsorbed: &YarnArtefact, retraced: &YarnArtefact, wavelength: u
     (sum, count)
 }
 
-/// 4 changes × 6 wavelengths, χ² over 232 values each below its 1 − 0.001/24 quantile: false alarms 0.1 %. Standard errors
-/// from 64 batches on either side raise the mean of a square by 1.6 %, by which the quantile is scaled.
+/// 4 changes × 6 wavelengths, χ² over 232 values each below its 1 − 0.001/24 quantile: false alarms 0.1 %. Standard
+/// errors from 64 batches on either side raise the mean of a square by 1.6 %, by which the quantile is scaled.
 #[test]
 fn reabsorbed_tables_and_ledgers_agree_with_retraced_ones() {
     let cases = [
@@ -156,7 +157,7 @@ fn fractions(row: &EnergyRow) -> [f64; 5] {
 }
 
 #[test]
-fn no_change_changes_nothing() {
+fn zero_change_of_absorption_keeps_every_table() {
     let before = dyed();
     let mut after = before.clone();
     let medium = Plan::new(before.layout.settings.study.clone()).unwrap().yarn.medium;
@@ -206,10 +207,10 @@ fn no_change_changes_nothing() {
     }
 }
 
-/// Bins that many paths fill come back to single precision; few paths in a bin are taken to be spread less widely, which
-/// returns to second order of the change. 6e-4 standard errors was the worst cell.
+/// Bins that many paths fill come back to single precision; few paths in a bin are taken to be spread less widely,
+/// which returns to second order of the change. 6e-4 standard errors was the worst cell.
 #[test]
-fn there_and_back_again() {
+fn absorption_changed_and_changed_back_restores_the_tables() {
     let before = dyed();
     let there = changed(before.clone(), medium(0.004, "preprint-red", 0.1));
     let back = changed(there, MediumSection::default());
@@ -279,7 +280,7 @@ fn ballistic_light_loses_exactly_what_the_law_says() {
 }
 
 #[test]
-fn taking_all_dye_away_warns_and_a_little_less_does_not() {
+fn removing_all_dye_gives_a_notice_and_a_small_change_none() {
     let kinds = |medium| -> Vec<NoticeKind> {
         let after = changed(dyed(), medium);
         after.layout.settings.reabsorbed[0]
@@ -371,10 +372,10 @@ fn exits(medium: &Medium, changes: &[Vec<f64>], paths: usize) -> Exits {
     exits
 }
 
-/// The same paths, re-weighted one by one and by bins, in 18 cells × 6 wavelengths: the difference in stated systematic errors
-/// was 0.51 rms and 1.39 at most.
+/// The same paths, re-weighted one by one and by bins, in 18 cells × 6 wavelengths: the difference in stated systematic
+/// errors was 0.51 rms and 1.39 at most.
 #[test]
-fn bins_do_as_well_as_paths_within_the_systematic_error() {
+fn reweighting_by_bins_agrees_with_paths_within_the_systematic_error() {
     let grid = WavelengthGrid::new(WAVELENGTHS_NM.to_vec()).unwrap();
     let of = |medium: MediumSection| Plan::new(study(1, medium)).unwrap().yarn.medium;
     let traced = of(MediumSection::default());
@@ -442,7 +443,7 @@ fn message(result: Result<YarnArtefact, RunError>) -> String {
 }
 
 #[test]
-fn what_cannot_be_changed_is_refused() {
+fn unsupported_changes_are_refused() {
     let to = |medium| message(reabsorb(dyed(), String::new(), medium));
     assert!(to(MediumSection::default()).contains("a medium that absorbs otherwise"));
     assert!(to(medium(-0.1, "preprint-red", 0.0)).contains("`medium.kappa_peak`: expected a number, 0 to 10"));
@@ -468,7 +469,7 @@ fn what_cannot_be_changed_is_refused() {
 
 /// From file to file, again from the new file, and what is no artefact of a trace.
 #[test]
-fn the_command_changes_files() {
+fn reabsorb_command_writes_a_changed_trace() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     dyed().write(&path("dyed")).unwrap();

@@ -21,7 +21,8 @@ pub enum Target<'a> {
     F32(&'a mut Vec<f32>),
 }
 
-/// What is kept of a quantity, as arrays: its amount, squares or standard errors of it, and its moment, as far as there are any.
+/// What is kept of a quantity, as arrays: its amount, squares or standard errors of it, and its moment, as far as there
+/// are any.
 pub trait Held {
     fn values(&self) -> Vec<Values<'_>>;
 

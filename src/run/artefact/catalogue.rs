@@ -1,5 +1,5 @@
-//! The catalogue of what a trace of the yarn tallies. Trace file, shard and state are written and read by it alone: a further
-//! quantity takes a row, a field of [`Quantities`] with its lines below, and the place that computes it.
+//! The catalogue of what a trace of the yarn tallies. Trace file, shard and state are written and read by it alone: a
+//! further quantity takes a row, a field of [`Quantities`] with its lines below, and the place that computes it.
 
 use super::YarnLayout;
 use super::arrays::{Entry, Held, Values, read_into};
@@ -189,8 +189,8 @@ impl Row {
 /// What is kept of each quantity at one stage of a trace: of a batch, as sums over batches, or as means.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Quantities<Beam, Patch, Largest, ByLength> {
-    /// What left by path length: traced direction × wavelength × bin × (ballistic, scattered, and both times path length), fractions
-    /// of the incident flux and the same times mm.
+    /// What left by path length: traced direction × wavelength × bin × (ballistic, scattered, and both times path
+    /// length), fractions of the incident flux and the same times mm.
     pub energy_by_length: Beam,
     /// f* of the direct simulation, 1/sr: cell × wavelength.
     pub direct: Beam,
@@ -208,8 +208,8 @@ pub type BatchTables = Quantities<Vec<f64>, Vec<f64>, Vec<f32>, LengthTally>;
 /// Sums over batches.
 pub type SumTables = Quantities<BatchSums, BatchSums, BatchSums, LengthSums>;
 
-/// Means and their standard errors. A change of absorption leaves no tables of the BSSRDF: path lengths of every cell would
-/// be needed for them.
+/// Means and their standard errors. A change of absorption leaves no tables of the BSSRDF: path lengths of every cell
+/// would be needed for them.
 pub type MeanTables = Quantities<Table, Option<Table>, Option<Table>, LengthTable>;
 
 impl<Beam: Held, Patch: Held, Largest: Held, ByLength: Held> Quantities<Beam, Patch, Largest, ByLength> {

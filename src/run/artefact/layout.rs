@@ -15,11 +15,11 @@ pub struct YarnSettings {
     pub study: Study,
     /// Digests of the tables and files that went in.
     pub inputs: Vec<InputDigest>,
-    /// The medium that followed from them, so that a shard made with another C library is refused. The serialised name sorts it
-    /// behind the study, whose keys messages name first where two files differ.
+    /// The medium that followed from them, so that a shard made with another C library is refused. The serialised name
+    /// sorts it behind the study, whose keys messages name first where two files differ.
     #[serde(rename = "traced_medium")]
     pub medium: MediumValues,
-    /// Changes of absorption since, first to last.
+    /// Later changes of absorption, in their order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reabsorbed: Vec<Reabsorbed>,
 }
@@ -95,7 +95,7 @@ impl YarnLayout {
         }
     }
 
-    /// Of a file whose header has the axes under `axes`.
+    /// Reads the layout of a file whose header has the axes under `axes`.
     pub(super) fn read(path: &Path, kind: Kind, reader: &Reader) -> Result<Self, RunError> {
         let settings: YarnSettings = parse(path, kind, "identity", reader.identity().value())?;
         let axes: YarnAxes = parse(path, kind, "header.axes", &reader.header()["axes"])?;
@@ -154,7 +154,7 @@ impl YarnLayout {
     }
 }
 
-/// A part of the JSON of a sound file.
+/// Parses a part of the JSON of a verified file.
 pub(super) fn parse<T: serde::de::DeserializeOwned>(
     path: &Path,
     kind: Kind,

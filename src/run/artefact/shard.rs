@@ -10,8 +10,8 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Writes the file of one shard: its batches each by itself, so that a merge can add them as a single run does. Holds one
-/// batch at a time.
+/// Writes the file of one shard: its batches each by itself, so that a merge can add them as a single run does. Holds
+/// one batch at a time.
 pub(in crate::run) struct ShardWriter<'a> {
     layout: &'a YarnLayout,
     file: Writer,
@@ -60,7 +60,7 @@ fn read_batch(file: &mut Reader, layout: &YarnLayout, number: usize) -> Result<Y
     })
 }
 
-/// A shard's file, found sound.
+/// A shard's file, verified.
 struct ShardFile {
     path: PathBuf,
     shard: Shard,
@@ -68,8 +68,8 @@ struct ShardFile {
     file: Reader,
 }
 
-/// Adds shards, in whatever order they are named, to what one run would have written, bit for bit. Reads each file for its
-/// checksum first and its batches one by one then; never writes to them.
+/// Merges shards, in any order, to the bits that a single run would have written. Verifies each file first and then
+/// reads its batches one by one; never writes to them.
 pub fn merge_shards(paths: &[PathBuf], progress: Progress) -> Result<YarnArtefact, RunError> {
     let mut layout: Option<YarnLayout> = None;
     let mut shards = Vec::with_capacity(paths.len());
@@ -111,7 +111,7 @@ pub fn merge_shards(paths: &[PathBuf], progress: Progress) -> Result<YarnArtefac
     Ok(YarnArtefact::new(layout, sums))
 }
 
-/// Whether shards, sorted by their first batch, hold each of the study's batches once.
+/// Checks that shards, sorted by their first batch, hold each of the study's batches once.
 fn check_set(shards: &[ShardFile], batches: usize) -> Result<(), ShardError> {
     for pair in shards.windows(2) {
         let [a, b] = pair else { continue };
@@ -146,7 +146,7 @@ fn check_set(shards: &[ShardFile], batches: usize) -> Result<(), ShardError> {
     Err(ShardError::Missing { missing, of: batches })
 }
 
-/// The shards of N that hold just these batches, in words; none where no whole shards do.
+/// The shards of N that hold exactly these batches, in words; `None` where no whole shards do.
 fn shards_of(gap: &Range<usize>, of: u32, batches: usize) -> Option<String> {
     let within: Vec<(Shard, Range<usize>)> = (1..=of)
         .filter_map(|number| {
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_told_from_noise() {
+    fn malformed_shard_names_are_refused() {
         for wrong in [
             "",
             "3",
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn gaps_are_named_as_shards_where_they_are() {
+    fn gaps_that_are_whole_shards_are_named_as_shards() {
         assert_eq!(shards_of(&(5..10), 3, 16).unwrap(), "shard 2/3");
         assert_eq!(shards_of(&(0..10), 3, 16).unwrap(), "shards 1/3 to 2/3");
         assert_eq!(shards_of(&(5..11), 3, 16), None);

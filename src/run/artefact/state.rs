@@ -15,8 +15,8 @@ pub struct YarnBatch {
     pub tables: BatchTables,
 }
 
-/// Batches of the yarn added up in their order. Only the ledgers are kept batch by batch; the rest takes the same memory
-/// for any number of them.
+/// Batches of the yarn added up in their order. Only the ledgers are kept batch by batch; the rest takes the same
+/// memory for any number of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct YarnSums {
     /// [batch][traced incident direction × wavelength].
