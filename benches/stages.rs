@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use num_complex::Complex64;
 use rayon::prelude::*;
-use specval::compare::Geometry;
 use specval::geometry::{Sectors, Vec3};
 use specval::optics::{Interference, Medium, MediumSpec, Mie};
-use specval::run::{CameraBatch, Plan};
+use specval::rig::Geometry;
+use specval::run::Plan;
 use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::study::Study;
 use specval::transport::{Coefficients, Cylinder, Entry, Estimate, Interior, Purpose, Roulette, Stream, Walk};
@@ -206,8 +206,9 @@ fn chain(c: &mut Criterion) {
         theta_i_deg: 30.0,
         theta_v_deg: 30.0,
     }];
+    let beams = plan.beams(&view);
     group.bench_function("shading, one view and batch", |b| {
-        b.iter(|| CameraBatch::trace(&plan, &view, 0).shade(&tables));
+        b.iter(|| plan.direct().look(beams.lit(), 0).shade(&tables));
     });
     let folder = std::env::temp_dir().join(format!("specval-bench-{}", std::process::id()));
     group.bench_function("report --quick", |b| {

@@ -16,8 +16,7 @@
 //! - `transport`: the Monte Carlo kernel, its ledger and its statistics
 //! - `validate`: reference problems of optics and transport
 //! - `yarn`: light in one yarn: BSSRDF and yarn response f*
-//! - `cloth`: weaves, centre lines, tubes, the scene a camera sees
-//! - `woven`: light between the yarns of a cloth
+//! - `cloth`: weaves, the shape of a cloth, and light between its yarns
 //! - `goniometric`: measured scattering in memory: tables, evaluation, hemispherical values
 //! - `formats`: files of goniometric measurements and drafts
 //! - `weave`: drafts by name or from files
@@ -52,5 +51,4 @@ mod text;
 pub mod transport;
 pub mod validate;
 pub mod weave;
-pub mod woven;
 pub mod yarn;

@@ -4,14 +4,14 @@ use super::cylinder::beam;
 use super::gate::{Gate, Law, Place};
 use super::medium::few_wavelengths;
 use super::{CheckError, Context};
-use crate::cloth::Tubes;
+use crate::cloth::light::{
+    Beam, ClothFraction, Connected, Detector, Scene, Segments, ViewCones, ViewPaths, YarnSurface, YarnToYarn,
+};
 use crate::geometry::Vec3;
 use crate::optics::Medium;
 use crate::rig::omega_in;
-use crate::run::RunError;
 use crate::spectrum::WavelengthGrid;
 use crate::transport::{Purpose, Stream};
-use crate::woven::{Beam, Bounces, ClothFraction, Detector, Onlookers, Places, Sight, ViewCones, YarnSurface};
 use crate::yarn::{DirectTracer, Effort, SurfaceGrid, Yarn, YarnResponseGrid, YarnSampler, scattered_or_absorbed};
 use rand::RngExt;
 use rayon::prelude::*;
@@ -120,19 +120,19 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
     else {
         return Ok([ENTERING, BOUNCES, VIEWS].map(Gate::undecided));
     };
-    let tubes = Tubes::new(&plan.cloth_spec).map_err(RunError::from)?;
-    let light = Bounces {
-        tubes: &tubes,
-        yarns: [warp, weft],
-        scatter: [of_warp, of_weft],
-        backing: None,
-        // What fibres reflect has a law of its own, and as much of it goes on from smooth yarns.
-        surface: match plan.surface(plan.study.specular.surface.is_of_yarns()) {
-            YarnSurface::Lost => YarnSurface::Lost,
-            YarnSurface::Smooth | YarnSurface::Fibres(_) => YarnSurface::Smooth,
+    let light = YarnToYarn {
+        scene: Scene {
+            yarns: [warp, weft],
+            backing: None,
+            // What fibres reflect has a law of its own, and as much of it goes on from smooth yarns.
+            surface: match plan.surface(plan.study.specular.surface.is_of_yarns()) {
+                YarnSurface::Lost => YarnSurface::Lost,
+                YarnSurface::Smooth | YarnSurface::Fibres(_) => YarnSurface::Smooth,
+            },
+            ..plan.scene(false, false)
         },
+        scatter: [of_warp, of_weft],
         most: usize::MAX,
-        seed,
     };
     let radius_mm = plan.cloth_spec.warp_radius_mm.min(plan.cloth_spec.weft_radius_mm);
     // Of an open weave most rays and particles meet no yarn, and a piece of one is seldom met by both.
@@ -140,7 +140,7 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
     let open = (spacing_mm / (DENSE_RADII * radius_mm)).clamp(1.0, MOST_OPEN);
     let [rays, particles] = [RAYS, PARTICLES].map(|count| (count as f64 * open).ceil() as usize);
     let piece_mm = (PIECE_RADII * radius_mm).max(spacing_mm / PIECES);
-    let places = Places::new(&tubes, piece_mm, SQUARE_RADII * radius_mm);
+    let segments = Segments::new(&plan.cloth, piece_mm, SQUARE_RADII * radius_mm);
     let rounds = context.share(1).div_ceil(PATHS_OF_ROUND) as usize;
     let incidences = plan.rig.incidences_deg();
     let batches: Vec<[Vec<f64>; 2]> = (0..context.batches)
@@ -150,15 +150,15 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
             for round in 0..rounds {
                 // The beams share them.
                 let cones = views(seed, batch, round);
-                let sights: Vec<Sight> = (cones.views().iter().enumerate())
+                let paths: Vec<ViewPaths> = (cones.views().iter().enumerate())
                     .map(|(k, view)| {
                         let number = STREAM + round * cones.views().len() + k;
-                        Sight::new(&light, &places, view, number, batch, rays)
+                        ViewPaths::new(&light, &segments, view, number, batch, rays)
                     })
                     .collect();
-                let onlookers = Onlookers {
-                    places: &places,
-                    sights: sights.iter().collect(),
+                let connected = Connected {
+                    segments: &segments,
+                    paths: paths.iter().collect(),
                     cones: &cones,
                     sunlit: false,
                 };
@@ -169,7 +169,7 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
                     };
                     for (cells, of_beam) in cells
                         .iter_mut()
-                        .zip(of_beam(&light, &onlookers, &beam, batch, particles))
+                        .zip(of_beam(&light, &connected, &beam, batch, particles))
                     {
                         let here = &mut cells[k * of_beam.len()..][..of_beam.len()];
                         here.iter_mut()
@@ -246,8 +246,8 @@ fn views(seed: u64, batch: usize, round: usize) -> ViewCones {
 
 /// Fractions of one batch of a beam: what chance took of the light, at every wavelength; and what views see beyond what leaves, by
 /// side and wavelength.
-fn of_beam(light: &Bounces, onlookers: &Onlookers, beam: &Beam, batch: usize, particles: usize) -> [Vec<f64>; 2] {
-    let (beta, ledger) = light.between(beam, onlookers, batch, particles);
+fn of_beam(light: &YarnToYarn, connected: &Connected, beam: &Beam, batch: usize, particles: usize) -> [Vec<f64>; 2] {
+    let (beta, ledger) = light.between(beam, connected, batch, particles);
     let straight = light.straight(beam, &Sides, batch, particles);
     let games = ledger.iter().map(|ledger| ledger[ClothFraction::SamplingNet]).collect();
     let mut seen = Vec::with_capacity(SIDES.len() * ABSORBING.len());

@@ -2,10 +2,11 @@
 
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
+use crate::cloth::light::Integrator;
 use crate::colour::{Adaptation, ColourSystem, Convention, Illuminant, Observer, RgbSpace, Xyz};
 use crate::geometry::Vec3;
-use crate::rig::{brightness_factor, view_cell};
-use crate::run::{CameraBatch, directions, stream_of};
+use crate::rig::{brightness_factor, number_of, view_cell};
+use crate::run::directions;
 use crate::spectrum::WavelengthGrid;
 use crate::transport::{Purpose, Stream};
 use crate::yarn::{WeightTally, YarnResponse};
@@ -145,7 +146,7 @@ pub fn whites(context: &Context) -> Result<Gate, CheckError> {
 }
 
 /// The table of f* = cosψ through the camera, against the same rays summed here; twice that of wefts of another yarn.
-pub fn shading(context: &Context) -> Gate {
+pub fn shading(context: &Context) -> Result<Gate, CheckError> {
     let Context { plan, judge, .. } = context;
     let of_yarn = |number: usize| (number + 1) as f64;
     let grid = plan.factor_grid;
@@ -157,17 +158,19 @@ pub fn shading(context: &Context) -> Gate {
         })
         .collect();
     let geometries = plan.geometries();
-    let shaded = CameraBatch::trace(plan, &geometries, 0).shade(&responses);
+    let beams = plan.beams(&geometries);
+    let shaded = plan.direct().brightness(&responses, beams.lit(), 0)?;
+    let shaded = beams.sum(&shaded, plan.grid.len());
     let departures: Vec<f64> = geometries
         .iter()
         .zip(&shaded)
         .map(|(geometry, beta)| {
             let (omega_in, omega_out) = directions(plan, *geometry);
-            let mut rng = Stream::open(plan.study.seed, Purpose::Camera, stream_of(*geometry), 0, 0);
+            let mut rng = Stream::open(plan.study.seed, Purpose::Camera, number_of(geometry.theta_v_deg), 0, 0);
             let mut sum = 0.0;
             view_cell(&plan.cloth, &omega_out, &plan.pixels, &mut rng, |interaction| {
                 let light = interaction.and_then(|point| point.light(&plan.cloth, &omega_in));
-                let yarn = interaction.map_or(0, |point| point.hit.system().index().min(responses.len() - 1));
+                let yarn = interaction.map_or(0, |point| point.hit.yarn.system.index().min(responses.len() - 1));
                 sum += light.map_or(0.0, |light| of_yarn(yarn) * (1.0 - light.y * light.y).max(0.0).sqrt());
             });
             let mean = sum / plan.pixels.count() as f64;
@@ -182,11 +185,11 @@ pub fn shading(context: &Context) -> Gate {
             beta.iter().fold(0.0, furthest)
         })
         .collect();
-    judge.exact(SHADING, &departures, plan.study.check.rounding, |i| {
+    Ok(judge.exact(SHADING, &departures, plan.study.check.rounding, |i| {
         let geometry = geometries[i];
         Place::named(format!(
             "theta_i {} deg, theta_v {} deg",
             geometry.theta_i_deg, geometry.theta_v_deg
         ))
-    })
+    }))
 }

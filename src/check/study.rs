@@ -51,7 +51,7 @@ pub fn study(plan: &Plan, effort: CheckEffort, progress: Progress) -> Result<Che
     gates.extend([
         rig::whites(context)?,
         rig::diffuser(context),
-        rig::shading(context),
+        rig::shading(context)?,
         rig::lookup(context),
         camera::pixels(context)?,
         camera::rig_directions(context),

@@ -2,7 +2,7 @@
 
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
-use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Draft, PeirceSegment, System, Tubes, Weave, YarnId};
+use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Draft, Hit, PeirceSegment, System, Weave};
 use crate::geometry::Vec3;
 use crate::rig::Interaction;
 use crate::run::RunError;
@@ -32,7 +32,6 @@ const OWN_CROSSINGS: usize = 64;
 struct Woven<'a> {
     name: &'static str,
     cloth: &'a Cloth,
-    tubes: Option<Tubes>,
     spec: &'a ClothSpec,
     warp_on_top: Box<dyn Fn(usize, usize) -> bool>,
     wefts: usize,
@@ -40,20 +39,15 @@ struct Woven<'a> {
 }
 
 impl<'a> Woven<'a> {
-    fn of(
-        name: &'static str,
-        (spec, cloth): &'a (ClothSpec, Cloth),
-        rows: &'static [&'static str],
-    ) -> Result<Self, ClothError> {
-        Ok(Self {
+    fn of(name: &'static str, (spec, cloth): &'a (ClothSpec, Cloth), rows: &'static [&'static str]) -> Self {
+        Self {
             name,
             cloth,
-            tubes: Some(Tubes::new(spec)?),
             spec,
             warp_on_top: Box::new(|i, j| rows[i].as_bytes()[j] == b'X'),
             wefts: rows.len(),
             warps: rows[0].len(),
-        })
+        }
     }
 
     /// Places of all crossings: weft, warp, and the point in the cloth's plane.
@@ -68,18 +62,10 @@ impl<'a> Woven<'a> {
         })
     }
 
-    /// What a vertical ray meets first from above, side 1, or from below, side −1: on the mesh, and on the smooth tubes.
-    fn seen(&self, at: Vec3, side: f64) -> Vec<(YarnId, f64)> {
+    /// What a vertical ray meets first from above, side 1, or from below, side −1.
+    fn seen(&self, at: Vec3, side: f64) -> Option<Hit> {
         let from = at + Vec3::z() * (side * 2.0 * self.cloth.top_mm());
-        let towards = Vec3::z() * -side;
-        let mesh = self
-            .cloth
-            .intersect(&from, &towards)
-            .map(|hit| (hit.yarn, hit.position.z));
-        let smooth = self.tubes.as_ref().and_then(|tubes| tubes.first_hit(from, towards));
-        mesh.into_iter()
-            .chain(smooth.map(|hit| (hit.yarn, hit.position.z)))
-            .collect()
+        self.cloth.first_hit(from, Vec3::z() * -side)
     }
 }
 
@@ -92,8 +78,6 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
     let woven = |weave| -> Result<(ClothSpec, Cloth), ClothError> {
         let spec = ClothSpec {
             weave,
-            segments_around: 16,
-            segments_along: 8,
             ..ClothSpec::default()
         };
         let cloth = Cloth::new(&spec)?;
@@ -102,8 +86,8 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
     let twill = woven(Weave::Twill21).map_err(RunError::from)?;
     let uneven = woven(custom).map_err(RunError::from)?;
     let known = [
-        Woven::of("twill-2-1", &twill, TWILL).map_err(RunError::from)?,
-        Woven::of("uneven draft", &uneven, UNEVEN).map_err(RunError::from)?,
+        Woven::of("twill-2-1", &twill, TWILL),
+        Woven::of("uneven draft", &uneven, UNEVEN),
     ];
     let own = own(context)?;
     let all = || known.iter().chain(&own);
@@ -129,7 +113,6 @@ fn own<'a>(context: &Context<'a>) -> Result<Option<Woven<'a>>, CheckError> {
     Ok(Some(Woven {
         name: "the study's cloth",
         cloth: &plan.cloth,
-        tubes: Some(Tubes::new(spec).map_err(RunError::from)?),
         spec,
         wefts: draft.yarns(System::Weft).min(OWN_CROSSINGS),
         warps: draft.yarns(System::Warp).min(OWN_CROSSINGS),
@@ -150,11 +133,9 @@ fn crossings<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) ->
                 (weft, warp)
             };
             for (side, expected) in [(1.0, top), (-1.0, bottom)] {
-                let seen = woven.seen(at, side);
-                let right = !seen.is_empty()
-                    && seen
-                        .iter()
-                        .all(|(yarn, _)| (yarn.system, yarn.index as usize) == expected);
+                let right = woven
+                    .seen(at, side)
+                    .is_some_and(|hit| (hit.yarn.system, hit.yarn.index as usize) == expected);
                 departures.push(f64::from(u8::from(!right)));
                 places.push(format!("{}, weft {i}, warp {j}", woven.name));
             }
@@ -186,8 +167,9 @@ fn crowns<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) -> Ga
         };
         for (i, j, at) in woven.crossings() {
             for side in [1.0, -1.0] {
-                for (yarn, z) in woven.seen(at, side) {
-                    departures.push((side * z - crest - heights[yarn.system.index()]) / radius_mm);
+                if let Some(hit) = woven.seen(at, side) {
+                    let height = side * hit.position.z - heights[hit.yarn.system.index()];
+                    departures.push((height - crest) / radius_mm);
                     places.push(format!("{}, weft {i}, warp {j}", woven.name));
                 }
             }
@@ -233,13 +215,12 @@ fn shadows<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) -> G
     for woven in all {
         let spec = woven.spec;
         let half_gap = Vec3::x() * (0.5 * spec.weft_spacing_mm);
-        let from = Vec3::z() * (2.0 * woven.cloth.top_mm());
         // A warp has nothing above or below it half-way between two wefts that leave a gap.
         let gap = spec.weft_radius_mm * spec.weft_flattening.sqrt() < 0.99 * half_gap.x;
         for (i, j, crossing) in woven.crossings() {
             let behind = gap.then_some((crossing + half_gap, false));
             for (at, shadowed_from_below) in [(crossing, true)].into_iter().chain(behind) {
-                let seen = woven.cloth.intersect(&(at + from), &-Vec3::z()).map(|hit| Interaction {
+                let seen = woven.seen(at, 1.0).map(|hit| Interaction {
                     omega_out_local: hit.frame.to_local(&Vec3::z()),
                     hit,
                 });

@@ -2,12 +2,12 @@
 
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
-use crate::cloth::Tubes;
+use crate::cloth::light::{
+    Beam, ClothFraction, ClothLedger, Integrator, LitBatch, LitViews, Scene, ViewCones, Volumetric,
+};
 use crate::geometry::Vec3;
 use crate::rig::omega_in;
-use crate::run::{LitBatch, LitViews, RunError, VolumetricCloth};
-use crate::woven::{Beam, ClothFraction, ClothLedger, ViewCones, Volumetric};
-use crate::yarn::{Estimator, Yarn};
+use crate::yarn::Yarn;
 use rayon::prelude::*;
 
 const LEDGER: Law = Law {
@@ -40,12 +40,12 @@ pub fn aperture(context: &Context) -> Result<Gate, CheckError> {
                 number,
             },
             cones: ViewCones::new(vec![Vec3::z()], WIDEST_DEG.to_radians()),
-            places: vec![0],
+            numbers: vec![0],
         })
         .collect();
-    let cloth = VolumetricCloth::new(plan, PARTICLES, true)?;
+    let cloth = Volumetric::new(plan.scene(true, false), PARTICLES)?;
     let departures: Vec<f64> = cloth
-        .brightness(&lit, 0)
+        .brightness(&[], &lit, 0)?
         .iter()
         .flat_map(|LitBatch { beta, ledger }| {
             let caught = beta.iter().flatten();
@@ -81,44 +81,22 @@ pub fn furnace(context: &Context, white: &Yarn) -> Result<Gate, CheckError> {
 }
 
 /// Warp and weft of one cloth, at every incidence of the rig.
-fn closes(
-    context: &Context,
-    law: Law,
-    [warp, weft]: [&Yarn; 2],
-    of: fn(&ClothLedger) -> f64,
-) -> Result<Gate, CheckError> {
+fn closes(context: &Context, law: Law, yarns: [&Yarn; 2], of: fn(&ClothLedger) -> f64) -> Result<Gate, CheckError> {
     let plan = context.plan;
-    let tubes = Tubes::new(&plan.cloth_spec).map_err(RunError::from)?;
-    let shared = [warp, weft]
-        .iter()
-        .all(|yarn| yarn.estimator_in_use() == Estimator::Shared);
-    let estimator = if shared {
-        Estimator::Shared
-    } else {
-        Estimator::Independent
+    let scene = Scene {
+        yarns,
+        ..plan.scene(true, false)
     };
-    let (warp, weft) = (warp.sharing_by(estimator)?, weft.sharing_by(estimator)?);
+    let cloth = Volumetric::new(scene, PARTICLES)?;
     let nothing = ViewCones::new(Vec::new(), 0.0);
     let incidences = plan.rig.incidences_deg();
-    let groups: Vec<(usize, usize)> = (0..incidences.len())
-        .flat_map(|k| (0..warp.len()).map(move |group| (k, group)))
-        .collect();
-    let ledgers: Vec<ClothLedger> = groups
-        .par_iter()
-        .flat_map_iter(|&(k, group)| {
-            let light = Volumetric {
-                tubes: &tubes,
-                interiors: [&warp[group].interior, &weft[group].interior],
-                backing: None,
-                roulette: plan.yarn.roulette,
-                surface: plan.surface(true),
-                seed: plan.study.seed,
-            };
+    let ledgers: Vec<ClothLedger> = (incidences.par_iter().enumerate())
+        .flat_map_iter(|(number, theta_i_deg)| {
             let beam = Beam {
-                omega_in: omega_in(incidences[k], plan.study.cloth.azimuth_deg),
-                number: k,
+                omega_in: omega_in(*theta_i_deg, plan.study.cloth.azimuth_deg),
+                number,
             };
-            light.batch(&beam, &nothing, warp[group].first, 0, PARTICLES).ledger
+            cloth.batch(&beam, &nothing, 0).ledger
         })
         .collect();
     let departures: Vec<f64> = ledgers.iter().map(of).collect();

@@ -4,17 +4,15 @@ use super::measure::Method;
 use super::{Failure, Options, Replace, Terminal, claim, in_words, inputs_of, study};
 use serde::Serialize;
 use specval::artefact::Identity;
+use specval::cloth::light::HemisphereNodes;
 use specval::formats::{
     self, Channels, Encoding, Format, Goniometric, Holds, KlemsBasis, Provenance, Scatter, Side, WriteOptions, registry,
 };
 use specval::output::{Place, beside, write_all};
 use specval::report::InputDigest;
-use specval::run::{
-    Cells, Colours, FactorCloth, FullBsdf, FullMeasurement, HemisphericalRow, Plan, Stage, Symmetry, VolumetricCloth,
-    symmetries,
-};
+use specval::rig::bsdf::{Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Symmetry, symmetries};
+use specval::run::{FactorCloth, Plan, Stage, check_memory, volumetric_cloth};
 use specval::study::{MethodChoice, Study};
-use specval::woven::HemisphereNodes;
 use std::path::{Path, PathBuf};
 
 /// Particles of one incidence.
@@ -198,11 +196,20 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
         check_size(&cells, Format::CSV, Encoding::Text, &spectra, " or leave --errors out")?;
     }
     let measurement = FullMeasurement::new(cells, group, klems, batches, plan.study.seed, &plan.grid)?;
-    measurement.check_memory(&plan.study, method)?;
+    let [incidences, bins] = measurement.size();
+    let by_factor = method == MethodChoice::RadianceFactor;
+    check_memory(
+        &plan.study,
+        Stage::Full {
+            incidences,
+            bins,
+            by_factor,
+        },
+    )?;
     let bsdf = match method {
         MethodChoice::Volumetric => {
             let tracing = terminal.progress("tracing the cloth");
-            let cloth = VolumetricCloth::new(plan, particles, true)?;
+            let cloth = volumetric_cloth(plan, particles)?;
             let light = |beam: &_, cells: &Cells, batch| cloth.batch(beam, cells, batch);
             let bsdf = measurement.measure(light, &|share| tracing.advance(share));
             tracing.finish();
@@ -210,7 +217,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
         }
         MethodChoice::RadianceFactor => {
             let tracing = terminal.progress("tracing the yarn");
-            let cloth = FactorCloth::new(plan, particles, true, &|share| tracing.advance(share))?;
+            let cloth = FactorCloth::new(plan, particles, &|share| tracing.advance(share))?;
             tracing.finish();
             let following = terminal.progress("following light in the cloth");
             let light = |beam: &_, cells: &Cells, batch| cloth.batch(beam, cells, batch);

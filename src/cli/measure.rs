@@ -1,12 +1,12 @@
 use super::{Failure, Options, Replace, Scratch, Stopping, claim, in_words, inputs_of, study};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
+use specval::cloth::light::{ClothFraction, ClothLedger};
 use specval::output::{self, Place, beside, write_all};
 use specval::report::effort_line;
 use specval::run::{GrazingGain, RunError, Simulator, Stage, StateFile, Watch, grazing_gains, grazing_notice};
 use specval::study::MethodChoice;
 use specval::transport::{Estimate, FractionList};
-use specval::woven::{ClothFraction, ClothLedger};
 use std::path::PathBuf;
 
 /// Measures the woven model with the virtual rig: spectral brightness factors, gloss included, not normalised.

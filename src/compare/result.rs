@@ -2,17 +2,9 @@
 
 use super::{Channels, Estimate};
 use crate::number::nan_from_null;
+use crate::rig::Geometry;
 use crate::sample::Reading;
 use serde::{Deserialize, Serialize};
-
-/// Direction of light and of view in the plane of incidence.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Geometry {
-    /// From the cloth's normal, 0 or more.
-    pub theta_i_deg: f64,
-    /// Signed, negative on the light's side of the normal.
-    pub theta_v_deg: f64,
-}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

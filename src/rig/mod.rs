@@ -1,11 +1,16 @@
-//! The virtual goniophotometer: a parallel beam, an orthographic camera, and the cloth's unit cell seen through it.
+//! The virtual goniophotometer: a parallel beam, an orthographic camera, the cloth's unit cell seen through it, and the full BSDF.
 //!
 //! Angles from the cloth's normal (+z). The plane of incidence holds the normal and makes the azimuth a with x. Light
 //! comes from ω_in = (−sinθ_i cos a, −sinθ_i sin a, cosθ_i); the signed view angle is negative on the light's side:
 //! ω_out = (sinθ_v cos a, sinθ_v sin a, cosθ_v), so the mirror direction of θ_i is θ_v = +θ_i.
 
+pub mod bsdf;
+mod direct;
+mod geometry;
 mod view;
 
+pub use direct::{CameraBatch, Direct};
+pub use geometry::{BeamsOfRig, Geometry, number_of};
 pub use view::{Interaction, PixelSamples, view_cell};
 
 use crate::fault::{self, Fault};
@@ -91,6 +96,10 @@ pub enum RigError {
     Incidence { found: f64 },
     #[error("views_deg: expected signed angles between -90 and 90 degrees (both excluded), found {found}")]
     View { found: f64 },
+    #[error(
+        "a full measurement of {found} values is more than {most}; take larger --theta-step and --phi-step, or fewer wavelengths"
+    )]
+    TooManyValues { found: usize, most: usize },
     #[error("pixel samples: expected 1 to 65536 along x and along y, found {along_x} by {along_y}")]
     Samples { along_x: usize, along_y: usize },
 }

@@ -31,8 +31,8 @@ impl PixelSamples {
 /// What a camera ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interaction {
-    /// Components (tangent, axis, normal) of the direction towards the viewer, always above the surface: where a facet
-    /// faces the viewer but the smooth normal does not, the direction is turned up to the horizon (cosine 1e-6).
+    /// Components (tangent, axis, normal) of the direction towards the viewer, above the surface: at an outline, where rounding
+    /// may leave it below, it is turned up to a cosine of 1e-6.
     pub omega_out_local: Vec3,
     pub hit: Hit,
 }
@@ -42,7 +42,7 @@ impl Interaction {
     /// part of its response f*, so any direction of the sphere may come back.
     pub fn light(&self, cloth: &Cloth, omega_in: &Vec3) -> Option<Vec3> {
         let hit = &self.hit;
-        let skip = if fault::active(Fault::OwnShadow) {
+        let owner = if fault::active(Fault::OwnShadow) {
             // A yarn that no cloth has.
             YarnId {
                 index: u32::MAX,
@@ -51,7 +51,7 @@ impl Interaction {
         } else {
             hit.yarn
         };
-        (!cloth.occluded(&hit.position, omega_in, skip)).then(|| hit.frame.to_local(omega_in))
+        (!cloth.shadowed(hit.position, *omega_in, owner)).then(|| hit.frame.to_local(omega_in))
     }
 }
 
@@ -77,7 +77,7 @@ pub fn view_cell(
             let x = (column as f64 + jitter * rng.random::<f64>()) / samples.along_x as f64 * cell_x;
             let y = (row as f64 + jitter * rng.random::<f64>()) / samples.along_y as f64 * cell_y;
             let origin = Vec3::new(x, y, 0.0) + away;
-            visit(cloth.intersect(&origin, &inwards).map(|hit| Interaction {
+            visit(cloth.first_hit(origin, inwards).map(|hit| Interaction {
                 omega_out_local: above_horizon(hit.frame.to_local(omega_out)),
                 hit,
             }));
@@ -89,7 +89,7 @@ fn above_horizon(local: Vec3) -> Vec3 {
     if local.z >= GRAZING_COSINE {
         return local;
     }
-    // A direction straight down never comes here: the viewer sees the facet, whose normal is close to the smooth one.
+    // A direction straight down never comes here: the viewer sees the point.
     let along_surface = Vec3::new(local.x, local.y, 0.0).normalize();
     along_surface * (1.0 - GRAZING_COSINE * GRAZING_COSINE).sqrt() + Vec3::z() * GRAZING_COSINE
 }

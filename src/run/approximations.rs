@@ -1,8 +1,9 @@
 use super::curves::{channels, directions};
-use super::readings::{NORMAL, report_geometries};
+use super::readings::report_geometries;
 use super::{Plan, Progress, RunError, Simulator, SpectralCurves, Stage, check_memory};
 use crate::compare::{Channel, Channels};
 use crate::report::{ApproximationRow, Approximations, LocalityRow};
+use crate::rig::Geometry;
 use crate::sample::Reading;
 use crate::shading::{Classical, ShadingModel};
 use crate::study::{Bounces, MethodChoice, Study, StudyError};
@@ -60,7 +61,7 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Approximations,
         );
     }
     let white = channels(&plan.colour, &vec![1.0; plan.grid.len()]);
-    let normal = geometries.iter().position(|g| *g == NORMAL);
+    let normal = geometries.iter().position(|g| *g == Geometry::NORMAL);
     let normal = normal.and_then(|normal| readings[normal].as_ref());
     let classical = normal
         .map(|reading| Classical::new(reading.beta, plan.specular))

@@ -77,32 +77,29 @@ pub(super) fn at_key(study: &Study, spec: &ClothSpec, error: &ClothError) -> Opt
                 }
             }
         }
-        ClothError::TooManyFacets { found, limit } => {
+        ClothError::TooManyCrossings { found, limit } => {
             let repeats = study.cloth.repeats;
             let one = *found as f64 / f64::from(repeats).powi(2);
             let most = (*limit as f64 / one).sqrt().floor();
-            if repeats > 1 && most >= 1.0 {
+            if most >= 1.0 {
                 return value(
                     "cloth.repeats",
-                    format!("at most {most} repeats of this weave, which are {limit} facets"),
+                    format!("at most {most} repeats of this weave, which have {limit} crossings of yarns or fewer"),
                     repeats.to_string(),
-                    "reduce it, or `cloth.segments_around` and `cloth.segments_along`".into(),
+                    "reduce it".into(),
                 );
             }
             value(
-                "cloth.segments_along",
-                format!("at most {limit} facets in one repeat of the weave"),
-                format!(
-                    "{} around by {} along, {one} facets",
-                    spec.segments_around, spec.segments_along
-                ),
-                "reduce it, `cloth.segments_around`, or take a draft with fewer yarns".into(),
+                "cloth.weave",
+                format!("a weave of at most {limit} crossings of yarns in one repeat"),
+                format!("{}, which has {one}", study.cloth.weave),
+                "take a draft with fewer yarns".into(),
             )
         }
         ClothError::NeverInterlaces { .. } | ClothError::EmptyDraft | ClothError::RaggedDraft { .. } => {
             Some(of_weave(study, error))
         }
-        ClothError::Length { .. } | ClothError::Ratio { .. } | ClothError::Segments { .. } => None,
+        ClothError::Length { .. } | ClothError::Ratio { .. } => None,
     }
 }
 

@@ -85,10 +85,6 @@ pub enum RunError {
     )]
     StateTooFar { path: PathBuf, found: usize, most: usize },
     #[error(
-        "a full measurement of {found} values is more than {most}; take larger --theta-step and --phi-step, or fewer wavelengths"
-    )]
-    TooManyValues { found: usize, most: usize },
-    #[error(
         "the ratios of Table 1 are of normal incidence and view: expected both in `[rig]`, found none; add incidence 0 and \
          view 0, or ask for the precision of `curves`"
     )]

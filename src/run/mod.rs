@@ -3,14 +3,12 @@
 mod approximations;
 mod artefact;
 mod batches;
-mod camera;
 mod cloth_keys;
 mod curves;
 mod effort;
 mod energy;
 mod error;
 mod file_kind;
-mod full;
 mod grazing;
 mod inputs;
 mod light;
@@ -36,19 +34,15 @@ pub use artefact::{
     YarnAxes, YarnBatch, YarnLayout, YarnSettings, YarnSums, merge_shards,
 };
 pub use batches::{Gather, Outcome, Schedule, gather};
-pub use camera::CameraBatch;
-pub(crate) use camera::stream_of;
 pub use curves::SpectralCurves;
 pub(crate) use curves::{directions, gloss};
 pub use energy::energy_rows;
 pub use error::RunError;
 pub use file_kind::{FileKind, OtherKind};
-pub use full::{Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Incidence, Symmetry, symmetries};
 pub(crate) use grazing::hemisphere;
 pub use grazing::{GrazingGain, grazing_gains, grazing_notice, white_albedo};
 pub use inputs::{input_files, sample_files};
-pub use light::{FactorCloth, VolumetricCloth};
-pub(crate) use light::{LitBatch, LitViews};
+pub use light::{FactorCloth, volumetric_cloth};
 pub use memory::{Stage, bytes as memory_bytes, check_memory, refuse_beyond};
 pub use plan::{Plan, medium, study_notices};
 pub(crate) use plan::{dye_on, medium_spec};

@@ -1,11 +1,11 @@
 use super::{RunError, Stage, cloth_keys};
+use crate::cloth::light::{Scene, YarnSurface};
 use crate::cloth::{CentreLineKind, Cloth, ClothSpec, Weave};
 use crate::colour::{ColourSystem, Convention};
-use crate::compare::Geometry;
 use crate::fault::{self, Fault};
 use crate::optics::{Interference, Medium, MediumSpec};
 use crate::report::InputDigest;
-use crate::rig::{PixelSamples, Rig};
+use crate::rig::{BeamsOfRig, Direct, Geometry, PixelSamples, Rig};
 use crate::sample::{Chosen, Sample};
 use crate::shading::{Distribution, FibreGloss, ShadingError, Specular};
 use crate::spectrum::{Samples, Spectrum, WavelengthGrid, plausibility, read_spectrum, tables};
@@ -15,7 +15,6 @@ use crate::study::{
 };
 use crate::transport::{Cylinder, Roulette};
 use crate::weave::WeaveDraft;
-use crate::woven::YarnSurface;
 use crate::yarn::{BssrdfGrid, Effort, Estimator, IncidentGrid, SurfaceGrid, Yarn, YarnError, YarnResponseGrid};
 use std::path::Path;
 
@@ -178,6 +177,33 @@ impl Plan {
             Some(gloss) => YarnSurface::Fibres(gloss),
             None => YarnSurface::Smooth,
         }
+    }
+
+    /// What light meets. Whether what the yarns' surface reflects goes on, and whether the cloth lies on the study's backing.
+    pub fn scene(&self, surface_goes_on: bool, on_backing: bool) -> Scene<'_> {
+        Scene {
+            cloth: &self.cloth,
+            yarns: self.yarns(),
+            backing: self.backing.as_ref().filter(|_| on_backing).map(Samples::values),
+            surface: self.surface(surface_goes_on),
+            seed: self.study.seed,
+        }
+    }
+
+    /// The study's camera on its cloth.
+    pub fn direct(&self) -> Direct<'_> {
+        Direct::new(
+            &self.scene(false, false),
+            self.different_yarns().count(),
+            self.factor_grid,
+            self.pixels,
+        )
+    }
+
+    /// The beams of geometries, and the views that look at what each lights.
+    pub fn beams(&self, geometries: &[Geometry]) -> BeamsOfRig {
+        let half_angle = self.study.rig.aperture_half_angle_deg.to_radians();
+        BeamsOfRig::new(geometries, self.study.cloth.azimuth_deg, half_angle)
     }
 
     /// Of warp and weft.
@@ -521,8 +547,6 @@ fn cloth_spec(study: &Study, weave: Weave) -> ClothSpec {
         weft_radius_mm,
         warp_spacing_mm: mean_diameter_mm * cloth.spacing_diameters,
         weft_spacing_mm: mean_diameter_mm * weft_spacing_diameters,
-        segments_around: cloth.segments_around as usize,
-        segments_along: cloth.segments_along as usize,
         warp_flattening: cloth.warp_flattening,
         weft_flattening: cloth.weft_flattening,
         radius_variation: cloth.radius_variation,

@@ -1,13 +1,8 @@
 use super::{Plan, RunError};
-use crate::compare::{Channels, Geometry};
+use crate::compare::Channels;
 use crate::report::ReadingCount;
+use crate::rig::Geometry;
 use crate::sample::{ANGLE_TOLERANCE_DEG, Reading, Sample};
-
-/// Normal incidence and view, where the ratios of Table 1 are of.
-pub(super) const NORMAL: Geometry = Geometry {
-    theta_i_deg: 0.0,
-    theta_v_deg: 0.0,
-};
 
 /// Geometries of a sample that a report measures at most, and incidences that it thins a larger one to.
 const MOST_GEOMETRIES: usize = 500;
@@ -20,8 +15,8 @@ pub fn report_geometries(plan: &Plan) -> Vec<Geometry> {
         true => thinned(plan.sample.geometries().map(geometry).collect()),
         false => plan.geometries(),
     };
-    if !geometries.contains(&NORMAL) {
-        geometries.push(NORMAL);
+    if !geometries.contains(&Geometry::NORMAL) {
+        geometries.push(Geometry::NORMAL);
     }
     geometries
 }

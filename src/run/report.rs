@@ -1,16 +1,16 @@
 use super::curves::{channels, directions};
-use super::light::{LightBetween, lit_views};
-use super::readings::{NORMAL, count, incidences_of, readings};
-use super::{
-    CameraBatch, Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows, grazing_gains, grazing_notice,
-};
+use super::light::bounces;
+use super::readings::{count, incidences_of, readings};
+use super::{Plan, Progress, RunError, Simulation, SpectralCurves, energy_rows, grazing_gains, grazing_notice};
 use crate::cloth::Weave;
+use crate::cloth::light::Integrator;
 use crate::colour::{ColourSystem, Convention};
 use crate::compare::{
-    self, Channel, Channels, ColourRatios, Comparison, CurvePoint, Geometry, HueComparison, Inputs, Propagation,
-    Source, model_colour_ratios, reference,
+    self, Channel, Channels, ColourRatios, Comparison, CurvePoint, HueComparison, Inputs, Propagation, Source,
+    model_colour_ratios, reference,
 };
 use crate::report::{self as shown, Provenance, ReportData, SampleNote, Table1Name, Table1Row};
+use crate::rig::{CameraBatch, Geometry};
 use crate::sample::{Kind, Reading, Uncertainty, published_ratios};
 use crate::shading::{Classical, ShadingModel};
 use crate::study::{MediumSection, MethodChoice, NumberOrTable};
@@ -21,7 +21,10 @@ const SWEEP_BATCHES: usize = 4;
 const SWEEP_PATHS_SHARE: u64 = 20;
 
 fn normal_place(geometries: &[Geometry]) -> usize {
-    geometries.iter().position(|g| *g == NORMAL).unwrap_or(geometries.len())
+    geometries
+        .iter()
+        .position(|g| *g == Geometry::NORMAL)
+        .unwrap_or(geometries.len())
 }
 
 /// Shades, measures, compares: everything after the tracing. `command` goes into the provenance.
@@ -238,7 +241,7 @@ fn of_reference(comparison: &Comparison) -> Option<String> {
             "the model or the sample has no light where it would be normalised: values are compared as they are".into(),
         );
     }
-    (comparison.reference != NORMAL).then(|| {
+    (comparison.reference != Geometry::NORMAL).then(|| {
         format!(
             "the sample has no reading with light at normal incidence and view: normalisation, the classical shading and the sample's row \
              of Table 1 are of the nearest one, incidence {theta_i_deg} and view {theta_v_deg} degrees"
@@ -316,22 +319,24 @@ fn orders(plan: &Plan, traced: usize) -> Result<[ColourRatios; 2], RunError> {
         .map(|yarn| DirectTracer::new(yarn, plan.factor_grid, effort, None))
         .collect::<Result<Vec<_>, _>>()?;
     let particles = scaled(study.particles).div_ceil(batches as u64) as usize;
-    let between = LightBetween::new(plan, usize::MAX, particles)?;
-    let lit = lit_views(plan, &[NORMAL]);
+    let (camera, between) = (plan.direct(), bounces(plan, usize::MAX, particles));
+    let beams = plan.beams(&[Geometry::NORMAL]);
+    let wavelengths = plan.grid.len();
     let [mut direct, mut all] = [Vec::new(), Vec::new()];
     for batch in 0..batches {
         let responses: Vec<YarnResponse> = tracers.iter().map(|tracer| tracer.batch(batch).response).collect();
-        let sunlit = CameraBatch::trace(plan, &[NORMAL], batch).shade(&responses);
-        let mut whole = sunlit.clone();
-        for of in between.brightness(&responses, &lit, batch)? {
-            for (sum, beta) in whole.iter_mut().flatten().zip(of.beta.iter().flatten()) {
-                *sum += beta;
-            }
-        }
-        direct.push(sunlit);
-        all.push(whole);
+        let sunlit = camera.brightness(&responses, beams.lit(), batch)?;
+        let goes_on = between.brightness(&responses, beams.lit(), batch)?;
+        direct.push(beams.sum(&sunlit, wavelengths));
+        all.push(beams.sum(sunlit.iter().chain(&goes_on), wavelengths));
     }
-    let ratios = |diffuse| diffuse_ratios(&plan.colour, &SpectralCurves::new(plan, vec![NORMAL], diffuse), 0);
+    let ratios = |diffuse| {
+        diffuse_ratios(
+            &plan.colour,
+            &SpectralCurves::new(plan, vec![Geometry::NORMAL], diffuse),
+            0,
+        )
+    };
     Ok([ratios(direct)?, ratios(all)?])
 }
 
@@ -377,8 +382,9 @@ fn sweep(
         effort.batches * effort.paths_per_batch,
         effort.batches
     ));
-    let cameras: Vec<CameraBatch> = (0..effort.batches)
-        .map(|batch| CameraBatch::trace(plan, &[NORMAL], batch))
+    let (camera, beams) = (plan.direct(), plan.beams(&[Geometry::NORMAL]));
+    let seen: Vec<CameraBatch> = (0..effort.batches)
+        .map(|batch| camera.look(beams.lit(), batch))
         .collect();
     let share = 1.0 / media.len().max(1) as f64;
     media
@@ -389,13 +395,13 @@ fn sweep(
                 .chain(&plan.weft)
                 .map(|yarn| DirectTracer::new(yarn, plan.factor_grid, effort, None))
                 .collect::<Result<Vec<_>, _>>()?;
-            let diffuse = std::iter::zip(0.., &cameras)
-                .map(|(batch, camera)| {
+            let diffuse = std::iter::zip(0.., &seen)
+                .map(|(batch, seen)| {
                     let responses: Vec<YarnResponse> = tracers.iter().map(|t| t.batch(batch).response).collect();
-                    camera.shade(&responses)
+                    seen.shade(&responses).into_iter().flatten().collect()
                 })
                 .collect();
-            let curves = SpectralCurves::new(plan, vec![NORMAL], diffuse);
+            let curves = SpectralCurves::new(plan, vec![Geometry::NORMAL], diffuse);
             progress(share);
             diffuse_ratios(&plan.colour, &curves, 0)
         })

@@ -1,8 +1,8 @@
 use super::effort::{effort_note, paths_per_batch};
 use super::{Batch, Gather, RunError, Schedule, Simulator, SpectralCurves, StateFile, Watch, gather};
+use crate::cloth::light::ClothLedger;
 use crate::report::EffortNote;
 use crate::transport::Ledger;
-use crate::woven::ClothLedger;
 
 /// All batches of a run.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,10 +1,11 @@
-use super::light::{LightBetween, LitBatch, LitViews, lit_views};
+use super::light::bounces;
 use super::memory::BATCHES_UNDER_WAY;
-use super::{CameraBatch, Plan, RunError, Stage, VolumetricCloth, check_memory};
-use crate::compare::Geometry;
+use super::{Plan, RunError, Stage, check_memory};
+use crate::cloth::light::{ClothLedger, Integrator, LitBatch, Volumetric};
+use crate::rig::{BeamsOfRig, Geometry};
+use crate::spectrum::Samples;
 use crate::study::{MethodChoice, ShadeWith};
 use crate::transport::Ledger;
-use crate::woven::ClothLedger;
 use crate::yarn::{DirectTracer, EnergyTracer, PatchTracer, Yarn, YarnResponse};
 
 /// What one batch of light through yarn, cloth and rig gives. Nothing in it grows with the number of paths.
@@ -23,19 +24,17 @@ pub struct Simulator<'a> {
     pub(super) plan: &'a Plan,
     geometries: Vec<Geometry>,
     energy: EnergyTracer<'a>,
-    light: Light<'a>,
-    lit: Vec<LitViews>,
+    /// One for each f* that differs; none where light goes through the media.
+    tracers: Vec<ResponseTracer<'a>>,
+    /// Ways to follow light whose brightness factors add up.
+    integrators: Vec<Box<dyn Integrator + 'a>>,
+    /// Whether one of them keeps a ledger.
+    follows: bool,
+    beams: BeamsOfRig,
 }
 
-/// How the light of a batch is simulated.
-enum Light<'a> {
-    /// f* in the sun, and, where it is asked for, what goes on from yarn to yarn.
-    RadianceFactor(Vec<Shading<'a>>, Option<LightBetween<'a>>),
-    Volumetric(VolumetricCloth<'a>),
-}
-
-/// The road to the f* of one yarn that the study shades with.
-enum Shading<'a> {
+/// What traces the f* of one yarn that the study shades with.
+enum ResponseTracer<'a> {
     Direct(DirectTracer<'a>),
     Bssrdf(PatchTracer<'a>),
 }
@@ -48,12 +47,12 @@ impl<'a> Simulator<'a> {
     /// A study whose tables do not fit into the memory that is free.
     pub fn new(plan: &'a Plan, geometries: Vec<Geometry>) -> Result<Self, RunError> {
         check_memory(&plan.study, Stage::Views)?;
-        let shading = |yarn: &'a Yarn| -> Result<Shading<'a>, RunError> {
+        let shading = |yarn: &'a Yarn| -> Result<ResponseTracer<'a>, RunError> {
             Ok(match plan.study.trace.shade_with {
                 ShadeWith::Direct => {
-                    Shading::Direct(DirectTracer::new(yarn, plan.factor_grid, plan.direct_effort, None)?)
+                    ResponseTracer::Direct(DirectTracer::new(yarn, plan.factor_grid, plan.direct_effort, None)?)
                 }
-                ShadeWith::Bssrdf => Shading::Bssrdf(PatchTracer::new(
+                ShadeWith::Bssrdf => ResponseTracer::Bssrdf(PatchTracer::new(
                     yarn,
                     plan.bssrdf_grid(yarn)?,
                     plan.factor_grid,
@@ -65,26 +64,28 @@ impl<'a> Simulator<'a> {
         let of_batch = |particles: u64| particles.div_ceil(batches) as usize;
         let most = plan.study.cloth.bounces.most();
         let shines = plan.study.specular.surface.is_of_yarns();
-        let goes_on = most > 0
-            || shines
-            || plan
-                .backing
-                .as_ref()
-                .is_some_and(|b| b.values().iter().any(|r| *r > 0.0));
-        let light = match plan.study.cloth.method {
+        let reflects = |backing: &Samples| backing.values().iter().any(|r| *r > 0.0);
+        let goes_on = most > 0 || shines || plan.backing.as_ref().is_some_and(reflects);
+        let mut integrators: Vec<Box<dyn Integrator + 'a>> = Vec::new();
+        let mut tracers = Vec::new();
+        match plan.study.cloth.method {
             MethodChoice::RadianceFactor => {
-                let between = || LightBetween::new(plan, most, of_batch(plan.study.trace.particles));
-                let shading = plan.different_yarns().map(shading).collect::<Result<_, _>>()?;
-                Light::RadianceFactor(shading, goes_on.then(between).transpose()?)
+                tracers = plan.different_yarns().map(shading).collect::<Result<_, _>>()?;
+                integrators.push(Box::new(plan.direct()));
+                if goes_on {
+                    integrators.push(Box::new(bounces(plan, most, of_batch(plan.study.trace.particles))));
+                }
             }
             MethodChoice::Volumetric => {
                 let particles = of_batch(plan.study.trace.particles_volumetric);
-                Light::Volumetric(VolumetricCloth::new(plan, particles, shines)?.on_backing())
+                integrators.push(Box::new(Volumetric::new(plan.scene(shines, true), particles)?));
             }
-        };
+        }
         Ok(Self {
-            lit: lit_views(plan, &geometries),
-            light,
+            beams: plan.beams(&geometries),
+            tracers,
+            integrators,
+            follows: goes_on || plan.study.cloth.method == MethodChoice::Volumetric,
             plan,
             geometries,
             energy: EnergyTracer::new(&plan.yarn, plan.incident, plan.bssrdf_effort, None)?,
@@ -97,17 +98,14 @@ impl<'a> Simulator<'a> {
 
     /// Incidences and wavelengths of the ledgers of a batch's cloth; no incidence where light is not followed from yarn to yarn.
     pub fn cloth_shape(&self) -> [usize; 2] {
-        let incidences = match &self.light {
-            Light::RadianceFactor(_, None) => 0,
-            _ => self.lit.len(),
-        };
+        let incidences = if self.follows { self.beams.lit().len() } else { 0 };
         [incidences, self.plan.grid.len()]
     }
 
     /// Incidences in the order of [`Batch::cloth`], degrees.
     pub fn incidences_deg(&self) -> Vec<f64> {
-        let first = |lit: &LitViews| lit.places.first().map(|&place| self.geometries[place].theta_i_deg);
-        self.lit.iter().filter_map(first).collect()
+        let of_geometry = |place: usize| self.geometries[place].theta_i_deg;
+        self.beams.first_of_beams().map(of_geometry).collect()
     }
 
     /// Traced incident directions and wavelengths of a batch's ledgers.
@@ -121,35 +119,19 @@ impl<'a> Simulator<'a> {
     /// None for a study that a plan was made of.
     pub fn batch(&self, batch: usize) -> Result<Batch, RunError> {
         let ledgers = self.energy.batch(batch).ledgers;
-        let (mut diffuse, followed) = match &self.light {
-            Light::RadianceFactor(shading, between) => {
-                let response = |of: &Shading| match of {
-                    Shading::Direct(tracer) => tracer.batch(batch).response,
-                    Shading::Bssrdf(tracer) => tracer.batch(batch).response,
-                };
-                let responses: Vec<YarnResponse> = shading.iter().map(response).collect();
-                let sunlit = CameraBatch::trace(self.plan, &self.geometries, batch).shade(&responses);
-                let between = between
-                    .as_ref()
-                    .map(|light| light.brightness(&responses, &self.lit, batch));
-                (sunlit, between.transpose()?.unwrap_or_default())
-            }
-            Light::Volumetric(cloth) => {
-                let dark = vec![vec![0.0; self.plan.grid.len()]; self.geometries.len()];
-                (dark, cloth.brightness(&self.lit, batch))
-            }
+        let response = |tracer: &ResponseTracer| match tracer {
+            ResponseTracer::Direct(tracer) => tracer.batch(batch).response,
+            ResponseTracer::Bssrdf(tracer) => tracer.batch(batch).response,
         };
-        let mut cloth = Vec::new();
-        for (LitViews { places, .. }, LitBatch { beta, ledger }) in std::iter::zip(&self.lit, followed) {
-            for (&place, beta) in places.iter().zip(beta) {
-                diffuse[place].iter_mut().zip(beta).for_each(|(sum, beta)| *sum += beta);
-            }
-            cloth.extend(ledger);
+        let responses: Vec<YarnResponse> = self.tracers.iter().map(response).collect();
+        let mut parts: Vec<LitBatch> = Vec::new();
+        for integrator in &self.integrators {
+            parts.extend(integrator.brightness(&responses, self.beams.lit(), batch)?);
         }
         Ok(Batch {
             ledgers,
-            diffuse,
-            cloth,
+            diffuse: self.beams.sum(&parts, self.plan.grid.len()),
+            cloth: parts.into_iter().flat_map(|part| part.ledger).collect(),
         })
     }
 }

@@ -1,10 +1,10 @@
 use super::{Batch, Plan, RunError, Simulator};
 use crate::artefact::{ArrayInfo, ElementType, Identity, Kind, Reader, Writer};
+use crate::cloth::light::{ClothFraction, ClothLedger};
 use crate::output;
 use crate::report::InputDigest;
 use crate::study::Study;
 use crate::transport::{Fraction, FractionList, Ledger};
-use crate::woven::{ClothFraction, ClothLedger};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,8 @@
 use super::curves::{channels, gloss};
-use super::readings::{NORMAL, readings};
+use super::readings::readings;
 use super::{Plan, Precision, RunError, Tolerance, Watched};
-use crate::compare::{Channel, Geometry, reference};
+use crate::compare::{Channel, reference};
+use crate::rig::Geometry;
 use crate::transport::Estimate;
 
 /// Keeps, batch by batch, the quantities whose standard errors a stop rule watches.
@@ -36,7 +37,7 @@ impl<'a> Watch<'a> {
             tolerance: Tolerance::Relative(0.0),
             of: Watched::Curves,
         });
-        let normal = geometries.iter().position(|g| *g == NORMAL);
+        let normal = geometries.iter().position(|g| *g == Geometry::NORMAL);
         if precision.of == Watched::Ratios {
             if normal.is_none() {
                 return Err(RunError::NoNormal);

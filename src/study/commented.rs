@@ -2,7 +2,7 @@
 
 use super::fields::{Section, path};
 use super::keys::{SECTIONS, Study};
-use super::renamed::RENAMED;
+use super::old_keys::{Now, OLD_KEYS};
 
 const STUDY_HEADER: &str = "\
 # A study of specval: what to simulate and what to compare it with. Every key may be left out; the values here are the
@@ -53,10 +53,13 @@ pub(super) fn page_of_keys() -> String {
             out += &format!("| `{key}` | {shown} | {expected} | {meaning} |\n");
         }
     });
-    out += "\n## Old spellings\n\nThey are still read, with a notice.\n\n| old | now |\n| --- | --- |\n";
-    for old in RENAMED {
-        let (was, is) = (path(old.section, old.field.key), path(old.new_section, old.new_key));
-        out += &format!("| `{was}` | `{is}` |\n");
+    out += "\n## Keys of older studies\n\nThey are still read, with a notice.\n\n| old | now |\n| --- | --- |\n";
+    for old in OLD_KEYS {
+        let now = match old.now {
+            Now::Renamed { section, key, .. } => format!("`{}`", path(section, key)),
+            Now::Dropped(why) => format!("no effect: {why}"),
+        };
+        out += &format!("| `{}` | {now} |\n", path(old.section, old.field.key));
     }
     out
 }

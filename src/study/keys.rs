@@ -171,10 +171,6 @@ pub struct ClothSection {
     /// Amplitude of the sinusoid; by default the smallest, in steps of 2 % of that at which yarns touch where they
     /// cross, at which they do not overlap.
     sinusoid_amplitude_mm: Option<f64> = None, Number(LENGTH), "mm", example "0.15";
-    /// Facets around a yarn.
-    segments_around: u32 = 48, Multiple(8, 1024, 4), "";
-    /// Facets along a yarn from one crossing to the next.
-    segments_along: u32 = 24, Integer(8, 1024), "";
     /// Turn of the cloth in its plane: warp from the plane of incidence.
     azimuth_deg: f64 = 0.0, Number(closed(-360.0, 360.0)), "degrees";
     /// Light in the cloth: scattered by the yarns' f*, or traced through the medium of every yarn it meets.
@@ -193,7 +189,7 @@ pub struct ClothSection {
     /// Relative standard deviation of the distances between neighbouring yarns.
     spacing_variation: f64 = 0.0, Number(VARIATION), "";
     /// Repeats of the weave along warp and weft before variations come again.
-    repeats: u32 = 1, Integer(1, 256), "";
+    repeats: u32 = 1, Integer(1, 128), "";
     /// Seed of the variations, apart from the study's.
     variation_seed: u64 = 1, SEED, "";
 }

@@ -11,10 +11,10 @@ mod commented;
 mod error;
 mod fields;
 mod keys;
+mod old_keys;
 mod origin;
 mod parse;
 mod paths;
-mod renamed;
 mod sections;
 mod validate;
 

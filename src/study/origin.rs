@@ -39,15 +39,15 @@ impl Origin {
         })
     }
 
-    /// That a key has its value from an old one, and what the user is told of it.
-    pub(super) fn rename(&mut self, old: &str, new: String, notice: &str) {
+    /// That an old key is read, of which `new` has the value now, and what the user is told of it.
+    pub(super) fn replace(&mut self, old: &str, new: Option<String>, notice: &str) {
         let line = self.lines.remove(old).unwrap_or(0);
         let place = Place {
             file: self.file.clone(),
             line,
         };
         self.notices.push(format!("{place}: {notice}"));
-        self.lines.insert(new, line);
+        self.lines.extend(new.map(|new| (new, line)));
     }
 
     /// Old spellings of the file, each with the new one.

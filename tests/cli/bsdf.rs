@@ -9,11 +9,12 @@ use std::path::Path;
 
 use crate::batch_statistics::all_zero;
 use serde_json::Value;
+use specval::cloth::light::{Beam, HemisphereNodes};
 use specval::formats::{Channels, Encoding, Format, KlemsBasis, ReadOptions, Scatter, Side, Table, direction, read};
-use specval::run::{Cells, Colours, FullBsdf, FullMeasurement, Plan, Symmetry, VolumetricCloth, symmetries};
+use specval::rig::bsdf::{Cells, Colours, FullBsdf, FullMeasurement, Symmetry, symmetries};
+use specval::run::{Plan, volumetric_cloth};
 use specval::spectrum::WavelengthGrid;
 use specval::study::Study;
-use specval::woven::{Beam, HemisphereNodes};
 
 const FALSE_ALARMS: f64 = 1e-3;
 
@@ -36,7 +37,7 @@ fn repeated(plan: &Plan, cells: &Cells, group: &[Symmetry], back: bool, batches:
     // Of so few random signs all agree, which no departure can exceed, in one trial of 2^15; of 12 it was in one of 2^11, too often for
     // the false alarms asked for.
     const REPETITIONS: usize = 16;
-    let cloth = VolumetricCloth::new(plan, PARTICLES, true).unwrap();
+    let cloth = volumetric_cloth(plan, PARTICLES).unwrap();
     (from..from + REPETITIONS)
         .map(|k| {
             let (cells, group) = (cells.clone(), group.to_vec());

@@ -3,17 +3,17 @@
 
 use rand::RngExt;
 use rayon::prelude::*;
-use specval::cloth::{ClothSpec, Tubes};
+use specval::cloth::light::{
+    Beam, ClothBatch, ClothFraction, ClothLedger, Connected, Detector, Scene, Segments, ViewCones, ViewPaths,
+    Volumetric, YarnSurface, YarnToYarn,
+};
+use specval::cloth::{Cloth, ClothSpec};
 use specval::geometry::Vec3;
 use specval::optics::{Interference, Medium, MediumSpec, fresnel};
 use specval::rig::{omega_in, omega_out};
 use specval::shading::FibreGloss;
 use specval::spectrum::{Spectrum, WavelengthGrid};
-use specval::transport::{Coefficients, Cylinder, Estimate, Interior, Purpose, Roulette, Stream};
-use specval::woven::{
-    Beam, Bounces, ClothBatch, ClothFraction, ClothLedger, Detector, Onlookers, Places, Sight, ViewCones, Volumetric,
-    YarnSurface,
-};
+use specval::transport::{Cylinder, Estimate, Purpose, Roulette, Stream};
 use specval::yarn::{DirectTracer, Effort, Estimator, SurfaceGrid, Yarn, YarnResponse, YarnResponseGrid};
 use std::f64::consts::PI;
 
@@ -61,7 +61,7 @@ fn black() -> Yarn {
 
 /// The default weave of a yarn and its surface.
 struct Weave {
-    tubes: Tubes,
+    cloth: Cloth,
     yarn: Yarn,
     surface: YarnSurface,
 }
@@ -69,38 +69,29 @@ struct Weave {
 impl Weave {
     fn new(yarn: Yarn, surface: YarnSurface) -> Self {
         Self {
-            tubes: Tubes::new(&ClothSpec::default()).unwrap(),
+            cloth: Cloth::new(&ClothSpec::default()).unwrap(),
             yarn,
             surface,
         }
     }
 
     fn volumetric(&self, beam: &Beam, particles: usize) -> Vec<ClothBatch> {
-        let medium = &self.yarn.medium;
-        let coefficients: Vec<Coefficients<'_>> = (0..2)
-            .map(|w| Coefficients {
-                mu_s: medium.mu_s_per_mm()[w],
-                mu_a: medium.mu_a_per_mm()[w],
-                phase: medium.phase(w),
-            })
-            .collect();
-        let interior = Interior::new(INDEX, &coefficients).unwrap();
-        let light = Volumetric {
-            tubes: &self.tubes,
-            interiors: [&interior, &interior],
+        let scene = Scene {
+            cloth: &self.cloth,
+            yarns: [&self.yarn; 2],
             backing: None,
-            roulette: Roulette::default(),
             surface: self.surface,
             seed: 1,
         };
+        let light = Volumetric::new(scene, particles).unwrap();
         (0..BATCHES)
             .into_par_iter()
-            .map(|batch| light.batch(beam, &Nothing, 0, batch, particles))
+            .map(|batch| light.batch(beam, &Nothing, batch))
             .collect()
     }
 
     /// By f* of a table of `paths` paths, of none at all for a black yarn.
-    fn by_factors<T: Send>(&self, paths: u64, most: usize, of: impl Fn(&Bounces<'_>, usize) -> T + Sync) -> Vec<T> {
+    fn by_factors<T: Send>(&self, paths: u64, most: usize, of: impl Fn(&YarnToYarn<'_>, usize) -> T + Sync) -> Vec<T> {
         let grid = YarnResponseGrid::new(4, SurfaceGrid::new(12, 4, 8).unwrap()).unwrap();
         (0..BATCHES)
             .into_par_iter()
@@ -114,14 +105,16 @@ impl Weave {
                     }
                 };
                 let scatter = response.sampler(&self.yarn).unwrap();
-                let light = Bounces {
-                    tubes: &self.tubes,
-                    yarns: [&self.yarn; 2],
+                let light = YarnToYarn {
+                    scene: Scene {
+                        cloth: &self.cloth,
+                        yarns: [&self.yarn; 2],
+                        backing: None,
+                        surface: self.surface,
+                        seed: 1,
+                    },
                     scatter: [&scatter; 2],
-                    backing: None,
-                    surface: self.surface,
                     most,
-                    seed: 1,
                 };
                 of(&light, batch)
             })
@@ -131,18 +124,18 @@ impl Weave {
     /// β of each view at each batch, and the ledgers, of light that has met at most `most` yarns more than one.
     fn views(&self, beam: &Beam, cones: &ViewCones, most: usize, particles: usize) -> Vec<Vec<f64>> {
         self.by_factors(0, most, |light, batch| {
-            let places = Places::new(&self.tubes, 0.02, 0.04);
+            let segments = Segments::new(&self.cloth, 0.02, 0.04);
             let views = cones.views().iter().enumerate();
-            let sights: Vec<Sight> = views
-                .map(|(k, view)| Sight::new(light, &places, view, k, batch, 100))
+            let view_paths: Vec<ViewPaths> = views
+                .map(|(k, view)| ViewPaths::new(light, &segments, view, k, batch, 100))
                 .collect();
-            let onlookers = Onlookers {
-                places: &places,
-                sights: sights.iter().collect(),
+            let connected = Connected {
+                segments: &segments,
+                paths: view_paths.iter().collect(),
                 cones,
                 sunlit: true,
             };
-            let (beta, _) = light.between(beam, &onlookers, batch, particles);
+            let (beta, _) = light.between(beam, &connected, batch, particles);
             beta.iter().map(|beta| beta[0]).collect()
         })
     }
@@ -238,21 +231,21 @@ fn views_are_what_a_camera_sees() {
         let beam = beam(theta_deg, 25.0);
         let light = beam.omega_in;
         let shown = weave.views(&beam, &cones, 0, 2000);
-        let [cell_x, cell_y] = weave.tubes.cell_mm();
+        let [cell_x, cell_y] = weave.cloth.cell_mm();
         let seen: Vec<Vec<f64>> = (0..BATCHES)
             .into_par_iter()
             .map(|batch| {
                 let of_view = |(k, view): (usize, &Vec3)| {
                     let mut rng = Stream::open(1, Purpose::Camera, k, batch, 0);
-                    let away = view * (2.0 * weave.tubes.top_mm() / view.z);
+                    let away = view * (2.0 * weave.cloth.top_mm() / view.z);
                     let mut sum = 0.0;
                     for _ in 0..RAYS {
                         let origin = Vec3::new(rng.random::<f64>() * cell_x, rng.random::<f64>() * cell_y, 0.0) + away;
-                        let Some(hit) = weave.tubes.first_hit(origin, -view) else {
+                        let Some(hit) = weave.cloth.first_hit(origin, -view) else {
                             continue;
                         };
                         let [omega_in, omega_out] = [&light, view].map(|omega| hit.frame.to_local(omega));
-                        if omega_in.z > 0.0 && weave.tubes.first_hit(hit.position, light).is_none() {
+                        if omega_in.z > 0.0 && weave.cloth.first_hit(hit.position, light).is_none() {
                             let reflectance = fresnel::reflectance(omega_in.z, INDEX);
                             sum += reflectance * gloss.density(&omega_in, &omega_out) * omega_in.z / omega_out.z;
                         }

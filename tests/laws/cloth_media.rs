@@ -1,6 +1,7 @@
 //! Cloth whose warp and weft are of different yarns.
 
-use specval::run::{Plan, Simulator, symmetries};
+use specval::rig::bsdf::symmetries;
+use specval::run::{Plan, Simulator};
 use specval::study::{Bounces, MethodChoice, NumberOrTable, Study, WeftSection};
 use specval::transport::Estimate;
 

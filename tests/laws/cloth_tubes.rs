@@ -1,9 +1,9 @@
-//! Rays in and between the smooth yarns against closed forms, against dense marching and against the mesh.
+//! Rays in and between the smooth yarns against closed forms, and against dense marching.
 
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use specval::cloth::{CentreLine, CentreLineKind, Cloth, ClothSpec, System, TubeHit, Tubes, Weave};
+use specval::cloth::{CentreLine, CentreLineKind, Cloth, ClothSpec, Hit, System, Weave};
 use std::f64::consts::PI;
 
 type Vec3 = Vector3<f64>;
@@ -109,13 +109,13 @@ fn isotropic(rng: &mut Xoshiro256PlusPlus) -> Vec3 {
 }
 
 /// A hit from a random direction above or below, anywhere on the cloth.
-fn any_hit(tubes: &Tubes, rng: &mut Xoshiro256PlusPlus) -> TubeHit {
+fn any_hit(cloth: &Cloth, rng: &mut Xoshiro256PlusPlus) -> Hit {
     loop {
         let mut signed = || 2.0 * rng.random::<f64>() - 1.0;
         let through = Vec3::new(3.0 * signed(), 3.0 * signed(), 0.2 * signed());
         let direction = isotropic(rng);
         if direction.z.abs() > 0.02
-            && let Some(hit) = tubes.first_hit(through - direction * (2.0 / direction.z.abs()), direction)
+            && let Some(hit) = cloth.first_hit(through - direction * (2.0 / direction.z.abs()), direction)
         {
             return hit;
         }
@@ -130,7 +130,7 @@ fn lambert(rng: &mut Xoshiro256PlusPlus, normal: Vec3, sign: f64) -> Vec3 {
 #[test]
 fn floats_are_straight_cylinders_in_closed_form() {
     // Warp 0 of the 3/1 twill runs level over wefts 1 to 3, its axis at y = 0.27, z = 0.15.
-    let tubes = Tubes::new(&ClothSpec {
+    let cloth = Cloth::new(&ClothSpec {
         weave: Weave::Twill31,
         ..ClothSpec::default()
     })
@@ -148,7 +148,7 @@ fn floats_are_straight_cylinders_in_closed_form() {
             continue;
         }
         let from = [1.35, 0.27 + y, 0.15 + z];
-        let found = tubes.inside_distance(System::Warp, from, direction.into(), f64::INFINITY);
+        let found = cloth.inside_distance(System::Warp, from, direction.into(), f64::INFINITY);
         assert!(
             (found - expected).abs() < 1e-12 * (1.0 + 0.15 / (half + expected) / across),
             "{found} {expected}"
@@ -159,23 +159,23 @@ fn floats_are_straight_cylinders_in_closed_form() {
 #[test]
 fn rays_inside_end_on_the_surface_and_meet_none_before() {
     for (n, spec) in weaves().iter().enumerate() {
-        let tubes = Tubes::new(spec).unwrap();
+        let cloth = Cloth::new(spec).unwrap();
         let slow = Slow::new(spec);
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(20 + n as u64);
         for case in 0..1500 {
-            let hit = any_hit(&tubes, &mut rng);
+            let hit = any_hit(&cloth, &mut rng);
             let direction = lambert(&mut rng, hit.frame.normal, -1.0);
             let system = hit.yarn.system;
-            let distance = tubes.inside_distance(system, hit.position.into(), direction.into(), f64::INFINITY);
+            let distance = cloth.inside_distance(system, hit.position.into(), direction.into(), f64::INFINITY);
             assert!(distance > 0.0 && distance < 20.0, "{distance}");
             let end = hit.position + direction * distance;
-            let (on_surface, normal) = tubes.surface(system, end.into());
+            let (on_surface, normal) = cloth.surface(system, end.into());
             assert!((end - Vec3::from(on_surface)).norm() < 1e-13, "{spec:?} {distance}");
             assert!(Vec3::from(normal).dot(&direction) > -1e-6);
             // The slow nearest point is good to the square root of rounding, its distance to rounding.
             assert!(slow.value(system, end).0.abs() < 1e-11, "{}", slow.value(system, end).0);
             let limit = 0.1 * rng.random::<f64>();
-            let limited = tubes.inside_distance(system, hit.position.into(), direction.into(), limit);
+            let limited = cloth.inside_distance(system, hit.position.into(), direction.into(), limit);
             assert!(limited == distance || (limited >= limit && distance >= limit));
             if case % 5 == 0 {
                 for k in 1..60 {
@@ -185,7 +185,7 @@ fn rays_inside_end_on_the_surface_and_meet_none_before() {
                 // On along the surface after total reflection: legal, and never a distance of 0.
                 let n = Vec3::from(normal);
                 let reflected = (direction - n * (2.0 * n.dot(&direction))).normalize();
-                let again = tubes.inside_distance(system, on_surface, reflected.into(), f64::INFINITY);
+                let again = cloth.inside_distance(system, on_surface, reflected.into(), f64::INFINITY);
                 assert!(again > 1e-11, "{again}");
             }
         }
@@ -195,14 +195,14 @@ fn rays_inside_end_on_the_surface_and_meet_none_before() {
 #[test]
 fn the_first_yarn_is_the_one_that_dense_marching_meets() {
     for (n, spec) in weaves().iter().enumerate() {
-        let tubes = Tubes::new(spec).unwrap();
+        let cloth = Cloth::new(spec).unwrap();
         let slow = Slow::new(spec);
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(40 + n as u64);
         let (mut met, mut escaped) = (0, 0);
         for _ in 0..200 {
-            let start = any_hit(&tubes, &mut rng);
+            let start = any_hit(&cloth, &mut rng);
             let out = lambert(&mut rng, start.frame.normal, 1.0);
-            let found = tubes.first_hit(start.position, out);
+            let found = cloth.first_hit(start.position, out);
             let reach = match found {
                 Some(hit) => {
                     met += 1;
@@ -216,7 +216,7 @@ fn the_first_yarn_is_the_one_that_dense_marching_meets() {
                 }
                 None => {
                     escaped += 1;
-                    (out.z.signum() * tubes.top_mm() - start.position.z) / out.z
+                    (out.z.signum() * cloth.top_mm() - start.position.z) / out.z
                 }
             };
             let steps = (reach / 0.01).ceil().min(1000.0);
@@ -234,56 +234,15 @@ fn the_first_yarn_is_the_one_that_dense_marching_meets() {
 }
 
 #[test]
-fn the_mesh_agrees_within_its_facets() {
-    for (n, spec) in weaves().iter().enumerate() {
-        let tubes = Tubes::new(spec).unwrap();
-        let cloth = Cloth::new(spec).unwrap();
-        assert_eq!(tubes.cell_mm(), cloth.cell_mm());
-        assert_eq!(tubes.top_mm(), cloth.top_mm());
-        let mut rng = Xoshiro256PlusPlus::seed_from_u64(60 + n as u64);
-        let (mut compared, mut other) = (0, 0);
-        for _ in 0..20_000 {
-            let mut signed = || 2.0 * rng.random::<f64>() - 1.0;
-            let origin = Vec3::new(4.0 * signed(), 4.0 * signed(), 0.5);
-            let direction = Vec3::new(signed(), signed(), -0.05 - signed().abs()).normalize();
-            let (smooth, faceted) = (tubes.first_hit(origin, direction), cloth.intersect(&origin, &direction));
-            let Some(smooth) = smooth else {
-                continue;
-            };
-            let facing = -smooth.frame.normal.dot(&direction);
-            if facing < 0.35 {
-                continue;
-            }
-            compared += 1;
-            let faceted = faceted.expect("a ray that faces a yarn meets its facets");
-            // Where yarns touch, or one's edge stands before the other, facets may give way to the other yarn.
-            if faceted.yarn != smooth.yarn {
-                other += 1;
-                continue;
-            }
-            let deep = (faceted.distance - smooth.distance_mm) * (facing - 0.1);
-            // Sagittas of 48 facets around and 24 from crossing to crossing.
-            let sagitta = 0.15 * (1.0 - (PI / 48.0).cos()) + 0.45 * (1.0 - 0.06f64.cos());
-            // In the hollow of a bend facets stand out of the yarn.
-            assert!(deep.abs() < sagitta, "{deep} {sagitta}");
-            assert!((faceted.frame.normal - smooth.frame.normal).norm() < 0.02 / facing);
-            // The axis turns by up to 0.08 from ring to ring.
-            assert!((faceted.frame.axis - smooth.frame.axis).norm() < 0.03 / facing);
-        }
-        assert!(compared > 5000 && other < 20, "{compared} {other}");
-    }
-}
-
-#[test]
 fn rays_can_be_reversed() {
     for (n, spec) in weaves().iter().enumerate() {
-        let tubes = Tubes::new(spec).unwrap();
+        let cloth = Cloth::new(spec).unwrap();
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(80 + n as u64);
         let mut compared = 0;
         for _ in 0..20_000 {
-            let start = any_hit(&tubes, &mut rng);
+            let start = any_hit(&cloth, &mut rng);
             let out = lambert(&mut rng, start.frame.normal, 1.0);
-            let Some(there) = tubes.first_hit(start.position, out) else {
+            let Some(there) = cloth.first_hit(start.position, out) else {
                 continue;
             };
             // Rays that graze either end amplify rounding without bound.
@@ -292,7 +251,7 @@ fn rays_can_be_reversed() {
                 continue;
             }
             compared += 1;
-            let back = tubes.first_hit(there.position, -out).expect("the way back");
+            let back = cloth.first_hit(there.position, -out).expect("the way back");
             assert_eq!(back.yarn, start.yarn);
             assert!(
                 (back.distance_mm - there.distance_mm).abs() < 1e-12 / facing,
@@ -306,11 +265,11 @@ fn rays_can_be_reversed() {
 #[test]
 fn yarns_in_contact_hand_rays_over() {
     // Warp 0 lies on weft 0 at (0.27, 0.27, 0); they touch along the arcs.
-    let tubes = Tubes::new(&ClothSpec::default()).unwrap();
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let contact = Vec3::new(0.27, 0.27, 0.0);
     for (tilt, owner, other) in [(0.3, System::Weft, System::Warp), (-0.3f64, System::Warp, System::Weft)] {
         let direction = Vec3::new(tilt.sin(), 0.1, tilt.signum() * tilt.cos()).normalize();
-        let hit = tubes.first_hit(contact, direction).expect("the other yarn");
+        let hit = cloth.first_hit(contact, direction).expect("the other yarn");
         assert_eq!(hit.yarn.system, other, "leaving the {owner}");
         assert!(hit.distance_mm < 1e-9);
     }
@@ -319,8 +278,8 @@ fn yarns_in_contact_hand_rays_over() {
 #[test]
 fn the_cloth_is_the_same_in_every_cell() {
     for spec in weaves() {
-        let tubes = Tubes::new(&spec).unwrap();
-        let [cell_x, cell_y] = tubes.cell_mm();
+        let cloth = Cloth::new(&spec).unwrap();
+        let [cell_x, cell_y] = cloth.cell_mm();
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(100);
         for _ in 0..1000 {
             let mut signed = || 2.0 * rng.random::<f64>() - 1.0;
@@ -328,8 +287,8 @@ fn the_cloth_is_the_same_in_every_cell() {
             let shift = Vec3::new(a * cell_x, b * cell_y, 0.0);
             let origin = Vec3::new(signed(), signed(), 0.5);
             let direction = Vec3::new(signed(), signed(), -0.05 - signed().abs()).normalize();
-            let here = tubes.first_hit(origin, direction);
-            let there = tubes.first_hit(origin + shift, direction);
+            let here = cloth.first_hit(origin, direction);
+            let there = cloth.first_hit(origin + shift, direction);
             assert_eq!(here.is_some(), there.is_some());
             if let (Some(here), Some(there)) = (here, there)
                 && here.frame.normal.dot(&direction) < -0.01
@@ -344,7 +303,7 @@ fn the_cloth_is_the_same_in_every_cell() {
                 let inward = lambert(&mut rng, here.frame.normal, -1.0);
                 let [one, two] = [here, there].map(|hit| {
                     let from = hit.position.into();
-                    tubes.inside_distance(hit.yarn.system, from, inward.into(), f64::INFINITY)
+                    cloth.inside_distance(hit.yarn.system, from, inward.into(), f64::INFINITY)
                 });
                 assert!((one - two).abs() < 1e-9, "{one} {two}");
             }
@@ -354,28 +313,28 @@ fn the_cloth_is_the_same_in_every_cell() {
 
 #[test]
 fn rays_in_the_cloths_plane_and_along_its_axes_end() {
-    let tubes = Tubes::new(&ClothSpec::default()).unwrap();
-    assert!(tubes.first_hit(Vec3::new(-7.0, 0.27, 0.15), Vec3::x()).is_some());
-    assert!(tubes.first_hit(Vec3::new(0.0, 0.0, 0.31), Vec3::x()).is_none());
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
+    assert!(cloth.first_hit(Vec3::new(-7.0, 0.27, 0.15), Vec3::x()).is_some());
+    assert!(cloth.first_hit(Vec3::new(0.0, 0.0, 0.31), Vec3::x()).is_none());
     assert!(
-        tubes
+        cloth
             .first_hit(Vec3::new(0.0, 0.0, 0.31), Vec3::new(1.0, 0.0, -0.0))
             .is_none()
     );
-    assert!(tubes.first_hit(Vec3::new(0.0, 0.0, 0.31), Vec3::z()).is_none());
+    assert!(cloth.first_hit(Vec3::new(0.0, 0.0, 0.31), Vec3::z()).is_none());
     // Between the planes of two wefts, over the troughs of no warp.
-    assert!(tubes.first_hit(Vec3::new(0.0, 0.27, 1.0), DOWN).is_some());
-    assert!(tubes.first_hit(Vec3::new(1.08, 0.27, 1.0), DOWN).is_some());
-    assert!(tubes.first_hit(Vec3::new(0.0, 0.0, 1.0), DOWN).is_none());
+    assert!(cloth.first_hit(Vec3::new(0.0, 0.27, 1.0), DOWN).is_some());
+    assert!(cloth.first_hit(Vec3::new(1.08, 0.27, 1.0), DOWN).is_some());
+    assert!(cloth.first_hit(Vec3::new(0.0, 0.0, 1.0), DOWN).is_none());
     // Along the channel between two warps, through the wefts' gaps at no height: ends on a weft.
-    assert!(tubes.first_hit(Vec3::new(0.0, 0.0, 0.0), Vec3::x()).is_some());
+    assert!(cloth.first_hit(Vec3::new(0.0, 0.0, 0.0), Vec3::x()).is_some());
 }
 
 /// Gaps of an open weave in an independent renderer: tests/data/cloth_open_weave_gaps.csv. Its azimuth of incidence
 /// is along a yarn.
 #[test]
 fn gaps_of_an_open_weave_are_those_of_an_independent_renderer() {
-    let tubes = Tubes::new(&weaves()[3]).unwrap();
+    let cloth = Cloth::new(&weaves()[3]).unwrap();
     let mut rows = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .from_path("tests/data/cloth_open_weave_gaps.csv")
@@ -390,7 +349,7 @@ fn gaps_of_an_open_weave_are_those_of_an_independent_renderer() {
             .filter(|k| {
                 let x = 1.2 * (f64::from(k % n) + rng.random::<f64>()) / f64::from(n);
                 let y = 1.2 * (f64::from(k / n) + rng.random::<f64>()) / f64::from(n);
-                tubes.first_hit(Vec3::new(x, y, 0.3), direction).is_none()
+                cloth.first_hit(Vec3::new(x, y, 0.3), direction).is_none()
             })
             .count();
         let found = through as f64 / f64::from(n * n);

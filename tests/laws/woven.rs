@@ -2,20 +2,20 @@
 //! both methods against each other.
 
 use rayon::prelude::*;
-use specval::cloth::{CentreLineKind, ClothSpec, Tubes};
-use specval::compare::Geometry;
+use specval::cloth::light::{
+    Beam, ClothBatch, ClothFraction, ClothLedger, Connected, Detector, Scene, Segments, ViewCones, ViewPaths,
+    Volumetric, YarnSurface, YarnToYarn,
+};
+use specval::cloth::{CentreLineKind, Cloth, ClothSpec};
 use specval::geometry::Vec3;
 use specval::optics::{Interference, Medium, MediumSpec};
+use specval::rig::Geometry;
 use specval::rig::{omega_in, omega_out};
-use specval::run::{CameraBatch, Plan};
+use specval::run::Plan;
 use specval::spectrum::{Samples, Spectrum, WavelengthGrid};
 use specval::study::Study;
 use specval::transport::{
     Coefficients, Cylinder, Entry, Estimate, Fraction, Interior, Ledger, Purpose, Roulette, Stream, Walk,
-};
-use specval::woven::{
-    Beam, Bounces, ClothBatch, ClothFraction, ClothLedger, Detector, Onlookers, Places, Sight, ViewCones, Volumetric,
-    YarnSurface,
 };
 use specval::yarn::{DirectTracer, Effort, Estimator, SurfaceGrid, Yarn, YarnResponseGrid};
 
@@ -67,8 +67,8 @@ fn yarn(medium: Medium, radius_mm: f64) -> Yarn {
     }
 }
 
-fn open_weave() -> Tubes {
-    Tubes::new(&ClothSpec {
+fn open_weave() -> Cloth {
+    Cloth::new(&ClothSpec {
         centre_line: CentreLineKind::Sinusoid { amplitude_mm: 0.126 },
         warp_radius_mm: 0.125,
         weft_radius_mm: 0.125,
@@ -80,29 +80,28 @@ fn open_weave() -> Tubes {
 }
 
 fn volumetric<D: Detector>(
-    tubes: &Tubes,
-    medium: &Medium,
+    cloth: &Cloth,
+    yarn: &Yarn,
     surface: YarnSurface,
     theta_deg: f64,
     detector: &D,
     particles: usize,
 ) -> Vec<ClothBatch> {
-    let interior = interior(medium);
-    let light = Volumetric {
-        tubes,
-        interiors: [&interior, &interior],
+    let scene = Scene {
+        cloth,
+        yarns: [yarn; 2],
         backing: None,
-        roulette: Roulette::default(),
         surface,
         seed: 1,
     };
+    let light = Volumetric::new(scene, particles).unwrap();
     let beam = Beam {
         omega_in: omega_in(theta_deg, 0.0),
         number: 0,
     };
     (0..BATCHES)
         .into_par_iter()
-        .map(|batch| light.batch(&beam, detector, 0, batch, particles))
+        .map(|batch| light.batch(&beam, detector, batch))
         .collect()
 }
 
@@ -110,25 +109,24 @@ fn volumetric<D: Detector>(
 /// False alarms 1e-4.
 #[test]
 fn a_white_cloth_on_white_sends_all_light_back() {
-    let tubes = Tubes::new(&ClothSpec::default()).unwrap();
-    let medium = medium(vec![450.0, 650.0], 0.0);
-    let interior = interior(&medium);
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
+    let yarn = yarn(medium(vec![450.0, 650.0], 0.0), 0.15);
     let beam = Beam {
         omega_in: omega_in(30.0, 0.0),
         number: 0,
     };
     let on = |backing: [f64; 2]| -> Vec<ClothBatch> {
-        let light = Volumetric {
-            tubes: &tubes,
-            interiors: [&interior, &interior],
+        let scene = Scene {
+            cloth: &cloth,
+            yarns: [&yarn; 2],
             backing: Some(&backing),
-            roulette: Roulette::default(),
             surface: YarnSurface::Smooth,
             seed: 1,
         };
+        let light = Volumetric::new(scene, 1000).unwrap();
         (0..BATCHES)
             .into_par_iter()
-            .map(|batch| light.batch(&beam, &Nothing, 0, batch, 1000))
+            .map(|batch| light.batch(&beam, &Nothing, batch))
             .collect()
     };
     let (white, black) = (on([1.0, 1.0]), on([0.0, 0.0]));
@@ -149,7 +147,7 @@ fn a_white_cloth_on_white_sends_all_light_back() {
 }
 
 fn bounces(
-    tubes: &Tubes,
+    cloth: &Cloth,
     yarn: &Yarn,
     surface: YarnSurface,
     theta_deg: f64,
@@ -166,14 +164,16 @@ fn bounces(
         .map(|batch| {
             let traced = tracer.batch(batch);
             let scatter = traced.response.sampler(yarn).unwrap();
-            let light = Bounces {
-                tubes,
-                yarns: [yarn; 2],
+            let light = YarnToYarn {
+                scene: Scene {
+                    cloth,
+                    yarns: [yarn; 2],
+                    backing: None,
+                    surface,
+                    seed: 1,
+                },
                 scatter: [&scatter; 2],
-                backing: None,
-                surface,
                 most: usize::MAX,
-                seed: 1,
             };
             light.batch(&beam, &Nothing, batch, particles)
         })
@@ -193,11 +193,11 @@ fn z(a: Estimate, b: Estimate) -> f64 {
 /// False alarms: 8 values, 1e-3 together.
 #[test]
 fn a_white_cloth_loses_no_light() {
-    let tubes = Tubes::new(&ClothSpec::default()).unwrap();
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let yarn = yarn(medium(vec![450.0, 650.0], 0.0), 0.15);
     for theta_deg in [0.0, 60.0] {
-        let traced = volumetric(&tubes, &yarn.medium, YarnSurface::Smooth, theta_deg, &Nothing, 1000);
-        let scattered = bounces(&tubes, &yarn, YarnSurface::Smooth, theta_deg, 100_000, 1000);
+        let traced = volumetric(&cloth, &yarn, YarnSurface::Smooth, theta_deg, &Nothing, 1000);
+        let scattered = bounces(&cloth, &yarn, YarnSurface::Smooth, theta_deg, 100_000, 1000);
         for w in 0..2 {
             for (batches, table) in [(&traced, 0.0), (&scattered, 1e-3)] {
                 for batch in batches {
@@ -218,11 +218,11 @@ fn a_white_cloth_loses_no_light() {
 #[test]
 #[ignore = "minutes"]
 fn a_white_cloth_loses_less_than_a_thousandth() {
-    let tubes = Tubes::new(&ClothSpec::default()).unwrap();
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let yarn = yarn(medium(vec![650.0], 0.0), 0.15);
     for theta_deg in [0.0, 60.0] {
-        let traced = volumetric(&tubes, &yarn.medium, YarnSurface::Smooth, theta_deg, &Nothing, 420_000);
-        let scattered = bounces(&tubes, &yarn, YarnSurface::Smooth, theta_deg, 10_000_000, 420_000);
+        let traced = volumetric(&cloth, &yarn, YarnSurface::Smooth, theta_deg, &Nothing, 420_000);
+        let scattered = bounces(&cloth, &yarn, YarnSurface::Smooth, theta_deg, 10_000_000, 420_000);
         for batches in [&traced, &scattered] {
             let out = estimate(batches, 0, |l| l[ClothFraction::Reflected] + l.transmitted());
             println!("{theta_deg} deg: {:.5} ± {:.5} leaves", out.value, out.se);
@@ -238,7 +238,7 @@ fn a_white_cloth_loses_less_than_a_thousandth() {
 fn yarns_far_apart_are_single() {
     let (radius_mm, spacing_mm) = (0.125, 20.0);
     let medium = medium(vec![450.0, 650.0], 2.0);
-    let tubes = Tubes::new(&ClothSpec {
+    let cloth = Cloth::new(&ClothSpec {
         centre_line: CentreLineKind::Sinusoid { amplitude_mm: 0.126 },
         warp_radius_mm: radius_mm,
         weft_radius_mm: radius_mm,
@@ -274,7 +274,14 @@ fn yarns_far_apart_are_single() {
             traced.ledgers.iter().map(|l| l.scaled(1.0 / paths as f64)).collect()
         })
         .collect();
-    let cloth = volumetric(&tubes, &medium, YarnSurface::Smooth, 0.0, &Nothing, 100_000);
+    let cloth = volumetric(
+        &cloth,
+        &yarn(medium, radius_mm),
+        YarnSurface::Smooth,
+        0.0,
+        &Nothing,
+        100_000,
+    );
     let covered = 2.0 * radius_mm / spacing_mm;
     let twice = covered / (2.0 - covered);
     for w in 0..2 {
@@ -303,8 +310,8 @@ struct Row {
 /// below 48, which 14 squares of t with 23 degrees of freedom exceed with probability 5e-4 (75 of 150 000 drawn). False alarms: 5e-3 together.
 fn compare_open_weave(particles: usize) {
     const CHI2: f64 = 48.0;
-    let medium = medium(vec![650.0], 2.0);
-    let tubes = open_weave();
+    let yarn = yarn(medium(vec![650.0], 2.0), 0.125);
+    let cloth = open_weave();
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .from_path("tests/data/cloth_open_weave.csv")
@@ -320,7 +327,7 @@ fn compare_open_weave(particles: usize) {
         let there: Vec<&Row> = rows.iter().filter(|row| row.theta_i_deg == theta_deg).collect();
         let views = there.iter().map(|row| omega_out(row.view_deg, 0.0)).collect();
         let cones = ViewCones::new(views, 5f64.to_radians());
-        let batches = volumetric(&tubes, &medium, YarnSurface::Smooth, theta_deg, &cones, particles);
+        let batches = volumetric(&cloth, &yarn, YarnSurface::Smooth, theta_deg, &cones, particles);
         let of: [fn(&ClothLedger) -> f64; 3] = [
             |l| l[ClothFraction::Reflected],
             ClothLedger::transmitted,
@@ -369,15 +376,15 @@ fn an_open_weave_is_that_of_an_independent_renderer_with_many_particles() {
 /// what it scatters, and with the default dye. The docs give more. False alarms: 5 values, 5e-4.
 #[test]
 fn both_methods_agree_where_light_stays_near_its_entry() {
-    let tubes = Tubes::new(&ClothSpec::default()).unwrap();
+    let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let dyed = Plan::new(Study::from_toml("[spectrum]\nwavelengths_nm = [450, 540, 640]\n", "test").unwrap()).unwrap();
     let bare = yarn(medium(vec![450.0, 550.0], 20.0), 0.15);
     for (yarn, surface, particles) in [
         (&bare, YarnSurface::Smooth, 8000),
         (&dyed.yarn, YarnSurface::Lost, 80_000),
     ] {
-        let traced = volumetric(&tubes, &yarn.medium, surface, 0.0, &Nothing, particles);
-        let scattered = bounces(&tubes, yarn, surface, 0.0, 1_000_000, particles);
+        let traced = volumetric(&cloth, &yarn, surface, 0.0, &Nothing, particles);
+        let scattered = bounces(&cloth, yarn, surface, 0.0, 1_000_000, particles);
         for w in 0..yarn.medium.grid().len() {
             let [a, b] = [&traced, &scattered].map(|batches| estimate(batches, w, |l| l[ClothFraction::Reflected]));
             println!(
@@ -397,7 +404,7 @@ fn sun_and_light_between_are_all_light() {
         "[spectrum]\nwavelengths_nm = [640]\n[trace]\nbatches = {BATCHES}\npaths_direct = 200000\n[cloth]\nbacking = \"white\"\n"
     );
     let plan = Plan::new(Study::from_toml(&study, "test").unwrap()).unwrap();
-    let tubes = Tubes::new(&plan.cloth_spec).unwrap();
+    let cloth = Cloth::new(&plan.cloth_spec).unwrap();
     let tracer = DirectTracer::new(&plan.yarn, plan.factor_grid, plan.direct_effort, None).unwrap();
     let geometries: Vec<Geometry> = (-6..=7)
         .map(|k| Geometry {
@@ -411,32 +418,38 @@ fn sun_and_light_between_are_all_light() {
         omega_in: omega_in(0.0, 0.0),
         number: 0,
     };
-    let roads: Vec<[f64; 2]> = (0..BATCHES)
+    let batches: Vec<[f64; 2]> = (0..BATCHES)
         .into_par_iter()
         .map(|batch| {
             let traced = tracer.batch(batch);
             let scatter = traced.response.sampler(&plan.yarn).unwrap();
-            let light = Bounces {
-                tubes: &tubes,
-                yarns: [&plan.yarn; 2],
+            let light = YarnToYarn {
+                scene: Scene {
+                    cloth: &cloth,
+                    yarns: [&plan.yarn; 2],
+                    backing: plan.backing.as_ref().map(Samples::values),
+                    surface: YarnSurface::Lost,
+                    seed: 1,
+                },
                 scatter: [&scatter; 2],
-                backing: plan.backing.as_ref().map(Samples::values),
-                surface: YarnSurface::Lost,
                 most: usize::MAX,
-                seed: 1,
             };
-            let sun = CameraBatch::trace(&plan, &geometries, batch).shade(std::slice::from_ref(&traced.response));
-            let places = Places::new(&tubes, 0.02, 0.04);
-            let sights: Vec<Sight> = (cones.views().iter().enumerate())
-                .map(|(k, view)| Sight::new(&light, &places, view, k, batch, 900))
+            let sun = plan
+                .direct()
+                .look(plan.beams(&geometries).lit(), batch)
+                .shade(std::slice::from_ref(&traced.response))
+                .concat();
+            let segments = Segments::new(&cloth, 0.02, 0.04);
+            let view_paths: Vec<ViewPaths> = (cones.views().iter().enumerate())
+                .map(|(k, view)| ViewPaths::new(&light, &segments, view, k, batch, 900))
                 .collect();
-            let onlookers = Onlookers {
-                places: &places,
-                sights: sights.iter().collect(),
+            let connected = Connected {
+                segments: &segments,
+                paths: view_paths.iter().collect(),
                 cones: &cones,
                 sunlit: true,
             };
-            let (between, _) = light.between(&beam, &onlookers, batch, 2000);
+            let (between, _) = light.between(&beam, &connected, batch, 2000);
             let caught = light.batch(&beam, &cones, batch, 12_000).caught;
             let per_view = 1.0 / geometries.len() as f64;
             let beta = |(k, caught): (usize, &Vec<f64>)| {
@@ -448,7 +461,7 @@ fn sun_and_light_between_are_all_light() {
             ]
         })
         .collect();
-    let [shaded, caught] = [0, 1].map(|road| Estimate::from_batches(roads.iter().map(|r| r[road])));
+    let [shaded, caught] = [0, 1].map(|way| Estimate::from_batches(batches.iter().map(|batch| batch[way])));
     println!(
         "{:.4} ± {:.4}, {:.4} ± {:.4}",
         shaded.value, shaded.se, caught.value, caught.se
@@ -459,8 +472,8 @@ fn sun_and_light_between_are_all_light() {
 /// The same batch is the same bits whatever was traced before, and another batch is another.
 #[test]
 fn batches_are_reproducible() {
-    let medium = medium(vec![650.0], 2.0);
-    let tubes = open_weave();
-    let [a, b] = [(); 2].map(|()| volumetric(&tubes, &medium, YarnSurface::Smooth, 30.0, &Nothing, 200));
+    let yarn = yarn(medium(vec![650.0], 2.0), 0.125);
+    let cloth = open_weave();
+    let [a, b] = [(); 2].map(|()| volumetric(&cloth, &yarn, YarnSurface::Smooth, 30.0, &Nothing, 200));
     assert!(a == b && a[0] != a[1]);
 }

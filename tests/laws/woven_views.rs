@@ -2,14 +2,14 @@
 //! leave the cloth.
 
 use rayon::prelude::*;
-use specval::cloth::{ClothSpec, Tubes};
+use specval::cloth::light::{Beam, Connected, Scene, Segments, ViewCones, ViewPaths, YarnSurface, YarnToYarn};
+use specval::cloth::{Cloth, ClothSpec};
 use specval::geometry::Vec3;
 use specval::optics::{Interference, Medium, MediumSpec};
 use specval::rig::{omega_in, omega_out};
 use specval::shading::FibreGloss;
 use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::transport::{Cylinder, Estimate, Roulette};
-use specval::woven::{Beam, Bounces, Onlookers, Places, Sight, ViewCones, YarnSurface};
 use specval::yarn::{DirectTracer, Effort, Estimator, SurfaceGrid, Yarn, YarnResponseGrid};
 
 const BATCHES: usize = 24;
@@ -46,19 +46,21 @@ struct Case {
 /// β of each batch, [batch][view × wavelength]: of all light in the cones, and of what views see but for what the first yarn
 /// scatters straight to them.
 fn brightness(case: &Case, most: usize) -> [Vec<Vec<f64>>; 2] {
-    let tubes = Tubes::new(&case.spec).unwrap();
+    let cloth = Cloth::new(&case.spec).unwrap();
     let grid = YarnResponseGrid::new(6, SurfaceGrid::new(24, 6, 12).unwrap()).unwrap();
     let tracer = DirectTracer::new(&case.yarn, grid, Effort::new(1, 2, 200_000).unwrap(), None).unwrap();
     let traced = tracer.batch(0);
     let scatter = traced.response.sampler(&case.yarn).unwrap();
-    let light = Bounces {
-        tubes: &tubes,
-        yarns: [&case.yarn; 2],
+    let light = YarnToYarn {
+        scene: Scene {
+            cloth: &cloth,
+            yarns: [&case.yarn; 2],
+            backing: case.backing.as_ref().map(|b| &b[..]),
+            surface: case.surface,
+            seed: 1,
+        },
         scatter: [&scatter; 2],
-        backing: case.backing.as_ref().map(|b| &b[..]),
-        surface: case.surface,
         most,
-        seed: 1,
     };
     let beam = Beam {
         omega_in: omega_in(30.0, 0.0),
@@ -66,7 +68,7 @@ fn brightness(case: &Case, most: usize) -> [Vec<Vec<f64>>; 2] {
     };
     let views: Vec<Vec3> = VIEWS_DEG.iter().map(|v| omega_out(*v, 0.0)).collect();
     let cones = ViewCones::new(views.clone(), 5f64.to_radians());
-    let places = Places::new(&tubes, 0.02, 0.04);
+    let segments = Segments::new(&cloth, 0.02, 0.04);
     let of_cones = |batch| -> Vec<f64> {
         let caught = light.batch(&beam, &cones, batch, PARTICLES).caught;
         let per = |k| std::f64::consts::PI / cones.projected_solid_angle(k);
@@ -75,16 +77,16 @@ fn brightness(case: &Case, most: usize) -> [Vec<Vec<f64>>; 2] {
             .collect()
     };
     let of_views = |batch| -> Vec<f64> {
-        let sights: Vec<Sight> = (views.iter().enumerate())
-            .map(|(k, view)| Sight::new(&light, &places, view, k, batch, 900))
+        let view_paths: Vec<ViewPaths> = (views.iter().enumerate())
+            .map(|(k, view)| ViewPaths::new(&light, &segments, view, k, batch, 900))
             .collect();
-        let onlookers = Onlookers {
-            places: &places,
-            sights: sights.iter().collect(),
+        let connected = Connected {
+            segments: &segments,
+            paths: view_paths.iter().collect(),
             cones: &cones,
             sunlit: true,
         };
-        light.between(&beam, &onlookers, batch, PARTICLES / 8).0.concat()
+        light.between(&beam, &connected, batch, PARTICLES / 8).0.concat()
     };
     [
         (0..BATCHES).into_par_iter().map(of_cones).collect(),

@@ -1,11 +1,15 @@
 use super::centre_line::{CentreLine, Crossing};
-use super::{CentreLineKind, ClothError, ClothSpec, System};
+use crate::cloth::{CentreLineKind, ClothError, ClothSpec, System};
+use crate::fault::{self, Fault};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
 use std::f64::consts::TAU;
 
 /// Where normal deviates are cut off, in standard deviations.
 const CUT: f64 = 2.0;
+
+/// Two yarns take some 500 bytes at each.
+const MAX_CROSSINGS: usize = 1 << 16;
 
 /// One yarn of the cell.
 #[derive(Clone, Debug)]
@@ -39,6 +43,13 @@ impl Layout {
         spec.check_ranges()?;
         let draft = spec.weave.draft();
         let numbers = |system| draft.yarns(system) * spec.repeats_across(system);
+        let crossings = numbers(System::Warp).saturating_mul(numbers(System::Weft));
+        if crossings > MAX_CROSSINGS {
+            return Err(ClothError::TooManyCrossings {
+                found: crossings,
+                limit: MAX_CROSSINGS,
+            });
+        }
         let (warps, wefts) = (
             strands(spec, System::Warp, numbers),
             strands(spec, System::Weft, numbers),
@@ -99,14 +110,16 @@ impl Layout {
 /// lie upon each other; an amplitude is that of mean yarns and grows with the half-heights.
 fn crest_mm(spec: &ClothSpec, own: &Strand, other: &Strand) -> f64 {
     let heights_mm = own.half_height_mm + other.half_height_mm;
-    match spec.centre_line {
+    let crest_mm = match spec.centre_line {
         CentreLineKind::Peirce => 0.5 * heights_mm,
         CentreLineKind::Sinusoid { amplitude_mm } => {
             let mean_mm = [System::Warp, System::Weft].map(|s| spec.half_axes_mm(s, spec.radius_mm(s))[1]);
             let ratio = heights_mm / (mean_mm[0] + mean_mm[1]);
             amplitude_mm * ratio
         }
-    }
+    };
+    let crimp = if fault::active(Fault::CrimpLow) { 0.9 } else { 1.0 };
+    crimp * crest_mm
 }
 
 /// Radius of the arc with which a yarn of half-height b wraps around another of half-axes a', b': the near side of its

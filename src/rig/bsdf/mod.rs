@@ -14,12 +14,11 @@ pub use hemispherical::HemisphericalRow;
 pub use symmetry::{Symmetry, symmetries};
 pub use tables::Colours;
 
-use super::{Progress, RunError, Stage, check_memory};
+use super::RigError;
+use crate::cloth::light::{Beam, ClothBatch};
 use crate::formats::{Scatter, Side};
 use crate::spectrum::WavelengthGrid;
-use crate::study::{MethodChoice, Study, StudyError};
 use crate::transport::{BatchSums, Estimate, Purpose, Stream};
-use crate::woven::{Beam, ClothBatch};
 use rayon::prelude::*;
 
 /// What is measured, and how often.
@@ -80,10 +79,10 @@ impl FullMeasurement {
         batches: usize,
         seed: u64,
         grid: &WavelengthGrid,
-    ) -> Result<Self, RunError> {
+    ) -> Result<Self, RigError> {
         let found = cells.incident() * cells.count() * 2 * grid.len();
         if found > MOST_VALUES {
-            return Err(RunError::TooManyValues {
+            return Err(RigError::TooManyValues {
                 found,
                 most: MOST_VALUES,
             });
@@ -129,22 +128,18 @@ impl FullMeasurement {
         Orbits { traced, placed }
     }
 
-    /// Refuses a measurement that the free memory does not hold.
-    ///
-    /// # Errors
-    /// As [`super::check_memory`].
-    pub fn check_memory(&self, study: &Study, method: MethodChoice) -> Result<(), StudyError> {
-        let stage = Stage::Full {
-            incidences: self.orbits().traced.len(),
-            bins: 2 * self.cells.count(),
-            by_factor: method == MethodChoice::RadianceFactor,
-        };
-        check_memory(study, stage)
+    /// Incidences that are traced, and bins that each is caught in.
+    pub fn size(&self) -> [usize; 2] {
+        [self.orbits().traced.len(), 2 * self.cells.count()]
     }
 
     /// Traces every batch of every incidence with `light`, which gives the numbered batch of a beam at all wavelengths and
-    /// depends on nothing else: the result is the same for any number of threads.
-    pub fn measure(&self, light: impl Fn(&Beam, &Cells, usize) -> ClothBatch + Sync, progress: Progress) -> FullBsdf {
+    /// depends on nothing else: the result is the same for any number of threads. `progress` receives increments that add up to 1.
+    pub fn measure(
+        &self,
+        light: impl Fn(&Beam, &Cells, usize) -> ClothBatch + Sync,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> FullBsdf {
         let Orbits { traced, placed } = self.orbits();
         let step = 1.0 / (traced.len() * self.batches) as f64;
         let incidences = traced.into_par_iter().map(|(side, cell)| {

@@ -1,8 +1,8 @@
-use super::air::{Air, Arrival, Caught, Landing, Past, Survival};
-use super::passage::Skin;
-use super::scattering::{Bounces, Parts};
-use super::sights::{Places, Seen, Sight};
-use super::straight::Straight;
+use super::air::{Air, Arrival, BackingHit, Caught, History, Survival};
+use super::outer_surface::OuterSurface;
+use super::specular::SpecularPaths;
+use super::view_paths::{Seen, Segments, ViewPaths};
+use super::yarn_to_yarn::{Parts, YarnToYarn};
 use super::{Beam, ClothBatch, ClothFraction, ClothLedger, Detector, ViewCones, YarnSurface};
 use crate::cloth::System;
 use crate::fault::{self, Fault};
@@ -15,10 +15,10 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 
 /// Views that look on while light goes from yarn to yarn.
-pub struct Onlookers<'a> {
-    pub places: &'a Places,
+pub struct Connected<'a> {
+    pub segments: &'a Segments,
     /// One of each view.
-    pub sights: Vec<&'a Sight>,
+    pub paths: Vec<&'a ViewPaths>,
     /// About the same views.
     pub cones: &'a ViewCones,
     /// Whether shading in the sun shows what a straight yarn scatters of the beam straight to a view: it is then left out here.
@@ -26,20 +26,20 @@ pub struct Onlookers<'a> {
 }
 
 /// What of the particles' light goes to one view.
-struct Flux<'a> {
-    sight: &'a Sight,
+struct ViewSum<'a> {
+    paths: &'a ViewPaths,
     /// Unit vector.
     towards: Vec3,
     /// Radiance at each wavelength, summed over particles and rays, in 1/(mm² sr).
     sum: Vec<f64>,
-    /// Flux per steradian that fibres reflect, summed over particles.
+    /// ViewSum per steradian that fibres reflect, summed over particles.
     gloss: Vec<f64>,
 }
 
 /// Rays of light that surfaces alone turn for one particle: they cost a tenth, and few of them are caught.
 const STRAIGHT: usize = 8;
 
-impl Bounces<'_> {
+impl YarnToYarn<'_> {
     /// Batch number `batch` of `particles` particles, whose light `detector` catches as it leaves.
     pub fn batch<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> ClothBatch {
         self.trace(beam, detector, None, batch, particles)
@@ -52,34 +52,34 @@ impl Bounces<'_> {
     pub fn between(
         &self,
         beam: &Beam,
-        onlookers: &Onlookers,
+        onlookers: &Connected,
         batch: usize,
         particles: usize,
     ) -> (Vec<Vec<f64>>, Vec<ClothLedger>) {
-        let Onlookers {
-            places,
-            sights,
+        let Connected {
+            segments,
+            paths,
             cones,
             sunlit,
         } = onlookers;
-        let mut views: Vec<Flux> = (sights.iter().zip(cones.views()))
-            .map(|(sight, view)| Flux {
-                sight,
+        let mut views: Vec<ViewSum> = (paths.iter().zip(cones.views()))
+            .map(|(paths, view)| ViewSum {
+                paths,
                 towards: *view,
                 sum: vec![0.0; self.wavelengths()],
                 gloss: vec![0.0; self.wavelengths()],
             })
             .collect();
-        let watched = Some((*places, *sunlit, &mut views[..]));
+        let watched = Some((*segments, *sunlit, &mut views[..]));
         let ClothBatch { ledger, caught } = self.trace(beam, *cones, watched, batch, particles);
         let straight = self.straight(beam, *cones, batch, particles);
-        let cell_mm2 = self.tubes.cell_mm().iter().product::<f64>();
-        let of_view = |(k, view): (usize, Flux)| -> Vec<f64> {
+        let cell_mm2 = self.scene.cloth.cell_mm().iter().product::<f64>();
+        let of_view = |(k, view): (usize, ViewSum)| -> Vec<f64> {
             let gain = if fault::active(Fault::BetweenGain) { 1.1 } else { 1.0 };
-            let per_radiance = gain * PI * cell_mm2 / (view.sight.rays * particles) as f64;
+            let per_radiance = gain * PI * cell_mm2 / (view.paths.rays * particles) as f64;
             let per_gloss = PI / (view.towards.z.abs() * particles as f64);
             let per_caught = PI / cones.projected_solid_angle(k);
-            let mut beta = self.bare_backing(beam, places, view.sight);
+            let mut beta = self.bare_backing(beam, segments, view.paths);
             for (w, beta) in beta.iter_mut().enumerate() {
                 *beta += view.sum[w] * per_radiance + view.gloss[w] * per_gloss;
                 *beta += (caught[k][w] + straight[k][w]) * per_caught;
@@ -91,17 +91,17 @@ impl Bounces<'_> {
 
     /// What `detector` catches of the light that surfaces alone turn, as a fraction of the beam: [bin][wavelength].
     pub fn straight<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> Vec<Vec<f64>> {
-        Straight::new(self).caught(beam, detector, batch, STRAIGHT * particles)
+        SpecularPaths::new(self).caught(beam, detector, batch, STRAIGHT * particles)
     }
 
     /// Brightness factor of the backing where beam and view reach it past the yarns.
-    fn bare_backing(&self, beam: &Beam, places: &Places, sight: &Sight) -> Vec<f64> {
-        let Some(reflectance) = self.backing else {
+    fn bare_backing(&self, beam: &Beam, segments: &Segments, paths: &ViewPaths) -> Vec<f64> {
+        let Some(reflectance) = self.scene.backing else {
             return vec![0.0; self.wavelengths()];
         };
-        let lit = |position: Vec3| self.tubes.first_hit(position, beam.omega_in).is_none();
-        let bare = sight.bare(places).filter(|end| lit(end.position)).count();
-        let share = bare as f64 / sight.rays as f64;
+        let lit = |position: Vec3| self.scene.cloth.first_hit(position, beam.omega_in).is_none();
+        let bare = paths.bare(segments).filter(|end| lit(end.position)).count();
+        let share = bare as f64 / paths.rays as f64;
         reflectance.iter().map(|reflectance| share * reflectance).collect()
     }
 
@@ -109,11 +109,11 @@ impl Bounces<'_> {
         &self,
         beam: &Beam,
         detector: &D,
-        mut views: Option<(&Places, bool, &mut [Flux])>,
+        mut views: Option<(&Segments, bool, &mut [ViewSum])>,
         batch: usize,
         particles: usize,
     ) -> ClothBatch {
-        let stream = |number| Stream::open(self.seed, Purpose::Bounces, beam.number, batch, number);
+        let stream = |number| Stream::open(self.scene.seed, Purpose::Bounces, beam.number, batch, number);
         let wavelengths = self.wavelengths();
         let catching = match views {
             Some(_) => Caught::TurnedAfterFibres,
@@ -121,8 +121,8 @@ impl Bounces<'_> {
         };
         let survival = Survival::LargestWeight;
         let mut air = Air::new(
-            self.tubes,
-            self.backing,
+            self.scene.cloth,
+            self.scene.backing,
             detector,
             catching,
             survival,
@@ -131,35 +131,35 @@ impl Bounces<'_> {
         );
         let mut rng = stream(1);
         let mut parts = Parts::new(wavelengths);
-        let skins = self.skins();
-        air.shine(beam, particles);
+        let surfaces = self.surfaces();
+        air.launch_beam(beam, particles);
         while !air.is_empty() {
             for (k, system) in [System::Warp, System::Weft].into_iter().enumerate() {
-                let (yarn, skin, scatter) = (self.yarns[k], &skins[k], self.scatter[k]);
+                let (yarn, outer, scatter) = (self.scene.yarns[k], &surfaces[k], self.scatter[k]);
                 let waiting = air.take(system);
                 for (arrival, weights) in waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths)) {
-                    if arrival.past.yarns > self.most {
+                    if arrival.history.yarns > self.most {
                         air.keep(ClothFraction::BouncesCut, weights.iter().copied().map(f64::from));
                         continue;
                     }
-                    let entry = parts.enter(skin, arrival, weights);
-                    if let (YarnSurface::Fibres(gloss), Some((_, _, views))) = (&self.surface, &mut views) {
+                    let entry = parts.enter(outer, arrival, weights);
+                    if let (YarnSurface::Fibres(gloss), Some((_, _, views))) = (&self.scene.surface, &mut views) {
                         self.show_gloss(gloss, arrival, &parts.out, views);
                     }
-                    air.reflect(&self.surface, arrival, &parts.out);
-                    self.cross((yarn, skin), arrival, &entry, &mut parts, &mut air, &mut rng);
+                    air.reflect(&self.scene.surface, arrival, &parts.out);
+                    self.cross((yarn, outer), arrival, &entry, &mut parts, &mut air, &mut rng);
                     let meeting = scatter.meet(&arrival.hit.frame.to_local(&arrival.omega_in));
-                    if let Some((places, sunlit, views)) = &mut views {
-                        if arrival.past == Past::NONE {
+                    if let Some((segments, sunlit, views)) = &mut views {
+                        if arrival.history == History::NONE {
                             parts.out.fill(0.0);
                             if *sunlit {
-                                straight_yarn(yarn, skin, arrival, weights, &mut parts.out);
+                                straight_yarn(yarn, outer, arrival, weights, &mut parts.out);
                             }
                             for (beyond, inside) in parts.out.iter_mut().zip(&parts.inside) {
                                 *beyond = inside - *beyond;
                             }
                         }
-                        self.show((scatter, &meeting), arrival, &parts, places, views, &mut rng);
+                        self.show((scatter, &meeting), arrival, &parts, segments, views, &mut rng);
                     }
                     self.scatter((yarn, scatter, &meeting), arrival, &mut parts, &mut air, &mut rng);
                 }
@@ -167,8 +167,8 @@ impl Bounces<'_> {
             let mut landed = air.take_landed();
             for (landing, weights) in (landed.arrivals.iter()).zip(landed.weights.chunks_exact_mut(wavelengths)) {
                 air.send_back(landing, weights);
-                if let Some((places, _, views)) = &mut views {
-                    self.show_backing(landing, weights, places, views, &mut rng);
+                if let Some((segments, _, views)) = &mut views {
+                    self.show_backing(landing, weights, segments, views, &mut rng);
                 }
             }
         }
@@ -176,12 +176,12 @@ impl Bounces<'_> {
     }
 
     /// Adds to what the views see of the light that fibres reflect.
-    fn show_gloss(&self, gloss: &FibreGloss, arrival: &Arrival, reflected: &[f64], views: &mut [Flux]) {
+    fn show_gloss(&self, gloss: &FibreGloss, arrival: &Arrival, reflected: &[f64], views: &mut [ViewSum]) {
         let hit = &arrival.hit;
         let omega_in = hit.frame.to_local(&arrival.omega_in);
         for view in views {
             let density = gloss.density(&omega_in, &hit.frame.to_local(&view.towards));
-            if density > 0.0 && self.tubes.first_hit(hit.position, view.towards).is_none() {
+            if density > 0.0 && self.scene.cloth.first_hit(hit.position, view.towards).is_none() {
                 for (sum, reflected) in view.gloss.iter_mut().zip(reflected) {
                     *sum += density * reflected;
                 }
@@ -197,17 +197,17 @@ impl Bounces<'_> {
         (scatter, meeting): (&YarnSampler, &Meeting),
         arrival: &Arrival,
         parts: &Parts,
-        places: &Places,
-        views: &mut [Flux],
+        segments: &Segments,
+        views: &mut [ViewSum],
         rng: &mut Xoshiro256PlusPlus,
     ) {
         let frame = &arrival.hit.frame;
-        let place = places.of_yarn(self.tubes, &arrival.hit);
+        let place = segments.of_yarn(self.scene.cloth, &arrival.hit);
         let show = |sum: &mut [f64], seen: Option<Seen>, leaving: &[f64]| {
             let Some(Seen { end, weights, of_ends }) = seen else {
                 return;
             };
-            if arrival.past.yarns.saturating_add(end.yarns) > self.most {
+            if arrival.history.yarns.saturating_add(end.yarns) > self.most {
                 return;
             }
             let normal = frame.to_local(&end.normal);
@@ -220,12 +220,12 @@ impl Bounces<'_> {
                 *sum += share * f64::from(*weight) * leaving * radiance;
             }
         };
-        for Flux { sight, sum, .. } in views {
-            if arrival.past == Past::NONE {
-                show(sum, sight.at(place, false, rng.random()), &parts.out);
-                show(sum, sight.at(place, true, rng.random()), &parts.inside);
+        for ViewSum { paths, sum, .. } in views {
+            if arrival.history == History::NONE {
+                show(sum, paths.at(place, false, rng.random()), &parts.out);
+                show(sum, paths.at(place, true, rng.random()), &parts.inside);
             } else {
-                show(sum, sight.at_any(place, rng.random()), &parts.inside);
+                show(sum, paths.at_any(place, rng.random()), &parts.inside);
             }
         }
     }
@@ -233,19 +233,19 @@ impl Bounces<'_> {
     /// The same of light that the backing sends back, but for what beam and view reach past the yarns.
     fn show_backing(
         &self,
-        landing: &Landing,
+        landing: &BackingHit,
         sent_back: &[f64],
-        places: &Places,
-        views: &mut [Flux],
+        segments: &Segments,
+        views: &mut [ViewSum],
         rng: &mut Xoshiro256PlusPlus,
     ) {
-        let place = places.of_backing(&landing.position);
-        for Flux { sight, sum, .. } in views {
-            let Some(Seen { end, weights, of_ends }) = sight.at_any(place, rng.random()) else {
+        let place = segments.of_backing(&landing.position);
+        for ViewSum { paths, sum, .. } in views {
+            let Some(Seen { end, weights, of_ends }) = paths.at_any(place, rng.random()) else {
                 continue;
             };
-            if landing.past.yarns + end.yarns > self.most.saturating_add(1)
-                || (landing.past == Past::NONE && end.yarns == 0)
+            if landing.history.yarns + end.yarns > self.most.saturating_add(1)
+                || (landing.history == History::NONE && end.yarns == 0)
             {
                 continue;
             }
@@ -259,10 +259,10 @@ impl Bounces<'_> {
 
 /// Of light that meets a straight yarn, what is neither reflected nor ballistic: f* was traced in one. In a bent one
 /// surfaces lean towards each other, and light that a straight one lets through is totally reflected and scatters after all.
-fn straight_yarn(yarn: &Yarn, skin: &Skin, arrival: &Arrival, weights: &[f32], inside: &mut [f64]) {
+fn straight_yarn(yarn: &Yarn, outer: &OuterSurface, arrival: &Arrival, weights: &[f32], inside: &mut [f64]) {
     let local = arrival.hit.frame.to_local(&arrival.omega_in);
-    let surface = skin.outside(&arrival.hit, &-arrival.omega_in);
+    let surface = outer.outside(&arrival.hit, &-arrival.omega_in);
     for (w, (inside, weight)) in inside.iter_mut().zip(weights).enumerate() {
-        *inside = f64::from(*weight) * kept_by_straight_yarn(yarn, w, &surface, local.y / skin.index);
+        *inside = f64::from(*weight) * kept_by_straight_yarn(yarn, w, &surface, local.y / outer.index);
     }
 }

@@ -1,4 +1,5 @@
 use super::{Cells, FullBsdf};
+use crate::cloth::light::HemisphereNodes;
 use crate::colour::{ColourError, ColourSystem, Convention};
 use crate::formats::{
     Axis, Channels, Component, Fold, Grid, KlemsBasis, KlemsMatrix, Parameters, Quantity, Scatter, Side, SpecularTable,
@@ -6,7 +7,6 @@ use crate::formats::{
 };
 use crate::spectrum::WavelengthGrid;
 use crate::transport::Estimate;
-use crate::woven::HemisphereNodes;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 

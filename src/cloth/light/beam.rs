@@ -1,29 +1,5 @@
-//! Light in a woven cloth, from yarn to yarn, in the endless weave of smooth tubes: a parallel beam comes in, and every
-//! particle of it is followed until it has left above or below, or is absorbed.
-//!
-//! Inside a yarn the light is either traced through the medium itself ([`Volumetric`]) or scattered by the yarn's
-//! response f*. What happens in the air is the same for both.
-
-mod air;
-mod bounces;
-mod detector;
-mod ledger;
-mod passage;
-mod scattering;
-mod sights;
-mod straight;
-mod surface;
-mod volumetric;
-
-pub use bounces::Onlookers;
-pub use detector::{Detector, HemisphereNodes, ViewCones};
-pub use ledger::{ClothFraction, ClothLedger};
-pub use scattering::Bounces;
-pub use sights::{Places, Sight};
-pub use surface::YarnSurface;
-pub use volumetric::{Inside, Volumetric};
-
-use crate::cloth::Tubes;
+use super::{ClothLedger, ViewCones};
+use crate::cloth::Cloth;
 use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
 
@@ -39,10 +15,10 @@ pub struct Beam {
 impl Beam {
     /// Where `particles` of it set out, over the cloth and evenly spread over the cell of its plane: strata along x in order, along
     /// y at the golden ratio's multiples.
-    fn origins(&self, tubes: &Tubes, particles: usize, rng: &mut impl Rng) -> Vec<Vec3> {
+    pub(super) fn origins(&self, cloth: &Cloth, particles: usize, rng: &mut impl Rng) -> Vec<Vec3> {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
-        let [cell_x, cell_y] = tubes.cell_mm();
-        let away = self.omega_in * (2.0 * tubes.top_mm() / self.omega_in.z.abs());
+        let [cell_x, cell_y] = cloth.cell_mm();
+        let away = self.omega_in * (2.0 * cloth.top_mm() / self.omega_in.z.abs());
         let shift: f64 = rng.random();
         (0..particles)
             .map(|k| {
@@ -61,4 +37,22 @@ pub struct ClothBatch {
     pub ledger: Vec<ClothLedger>,
     /// Fraction of the beam that the detector's bins caught: [bin][wavelength].
     pub caught: Vec<Vec<f64>>,
+}
+
+/// A beam, and the views that look at what it lights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LitViews {
+    pub beam: Beam,
+    pub cones: ViewCones,
+    /// Tells the random streams of the views apart, whatever else is measured.
+    pub numbers: Vec<usize>,
+}
+
+/// What one batch of light gives at the views of one beam.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LitBatch {
+    /// Brightness factor, π L/(E⊥ cosθ_i), at [view][wavelength].
+    pub beta: Vec<Vec<f64>>,
+    /// At each wavelength; empty where the light is not followed.
+    pub ledger: Vec<ClothLedger>,
 }

@@ -1,6 +1,6 @@
 use super::layout::Layout;
 use super::tube::{Local, Skin, Tube, floor};
-use super::{ClothError, ClothSpec, System, YarnId};
+use crate::cloth::{ClothError, ClothSpec, System, YarnId};
 use crate::geometry::{Frame, Vec3};
 
 /// A ray in the cloth's plane may run for ever through a channel of the weave. After this many cells between crossings
@@ -12,7 +12,7 @@ const SEAM: f64 = 1e-12;
 
 /// Where a ray in the air meets a yarn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TubeHit {
+pub struct Hit {
     /// On the smooth surface.
     pub position: Vec3,
     pub distance_mm: f64,
@@ -21,9 +21,9 @@ pub struct TubeHit {
     pub yarn: YarnId,
 }
 
-/// The yarns of an endless woven cloth as smooth tubes, without facets: rays inside a yarn and in the air between.
+/// An endless woven cloth, every yarn of it a smooth tube: rays inside a yarn and in the air between.
 #[derive(Clone, Debug)]
-pub struct Tubes {
+pub struct Cloth {
     warp: Parallel,
     weft: Parallel,
     cell_mm: [f64; 2],
@@ -155,8 +155,9 @@ fn world(system: System, Local { x, u, z }: Local) -> [f64; 3] {
     }
 }
 
-impl Tubes {
-    /// Errors: those of [`super::Cloth::new`] but for the number of facets.
+impl Cloth {
+    /// # Errors
+    /// A value out of range, too many yarns, a jammed weave, yarns that overlap or bend tighter than they are thick.
     pub fn new(spec: &ClothSpec) -> Result<Self, ClothError> {
         let layout = Layout::new(spec)?;
         let parallel = |system, repeat| {
@@ -256,7 +257,19 @@ impl Tubes {
 
     /// The first yarn on a ray that starts in the air, or on a yarn's surface looking out of it. `direction` is a unit
     /// vector. A yarn that touches the one left there is met at distance 0.
-    pub fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<TubeHit> {
+    pub fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        let (distance, yarn) = self.search(origin, direction, None)?;
+        Some(self.hit(origin + direction * distance, distance, yarn))
+    }
+
+    /// Whether any yarn but `owner` stands on a ray from the owner's surface, which may lead through the owner. The response
+    /// f* of a yarn holds the yarn's shadow on itself, so the owner of the shaded point is skipped whole, all along its length.
+    pub fn shadowed(&self, origin: Vec3, direction: Vec3, owner: YarnId) -> bool {
+        self.search(origin, direction, Some(owner)).is_some()
+    }
+
+    /// Distance and number of the first yarn on a ray, but for `skipped`.
+    fn search(&self, origin: Vec3, direction: Vec3, skipped: Option<YarnId>) -> Option<(f64, YarnId)> {
         let (o, d) = (origin, direction);
         let (mut entry, mut exit) = (0.0f64, f64::INFINITY);
         clip([-self.top_mm - o.z, self.top_mm - o.z], d.z, &mut entry, &mut exit);
@@ -294,6 +307,14 @@ impl Tubes {
                 let direction = local(system, [d.x, d.y, d.z]);
                 for side in 0..2 {
                     let Counted { index, cell } = beside[across][side];
+                    let yarn = YarnId {
+                        system,
+                        index: index as u32,
+                        lateral: cell,
+                    };
+                    if skipped == Some(yarn) {
+                        continue;
+                    }
                     let tube = &parallel.tubes[index];
                     let from = Local {
                         x: o[along] - walls[along][0],
@@ -310,16 +331,12 @@ impl Tubes {
                         && let Some(distance) = tube.entry(piece, from, direction, [first, last])
                     {
                         nearest = distance;
-                        found = Some(YarnId {
-                            system,
-                            index: index as u32,
-                            lateral: cell,
-                        });
+                        found = Some((distance, yarn));
                     }
                 }
             }
-            if let Some(yarn) = found {
-                return Some(self.hit(o + d * nearest, nearest, yarn));
+            if found.is_some() {
+                return found;
             }
             if leave[axis] >= exit {
                 return None;
@@ -335,10 +352,10 @@ impl Tubes {
         None
     }
 
-    fn hit(&self, near: Vec3, distance_mm: f64, yarn: YarnId) -> TubeHit {
+    fn hit(&self, near: Vec3, distance_mm: f64, yarn: YarnId) -> Hit {
         let (tube, at) = self.tube(yarn.system, near.into());
         let skin = tube.skin(at);
-        TubeHit {
+        Hit {
             position: near + Vec3::from(world(yarn.system, skin.to_surface)),
             distance_mm,
             frame: frame(yarn.system, &skin),

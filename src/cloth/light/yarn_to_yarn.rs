@@ -1,7 +1,6 @@
 use super::air::{Air, Arrival, Spread};
-use super::passage::{Passage, Skin};
-use super::{ClothFraction, Detector, YarnSurface};
-use crate::cloth::Tubes;
+use super::outer_surface::{OuterSurface, Passage};
+use super::{ClothFraction, Detector, Scene};
 use crate::geometry::Vec3;
 use crate::optics::fresnel::Interface;
 use crate::yarn::{Meeting, Yarn, YarnSampler};
@@ -14,33 +13,27 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// medium goes on through the smooth tube, refracted at each side; of the rest, a table that goes with the yarn's f* says how much
 /// leaves where on the section, by where on it light came in, and f* in what direction. All of it leaves at the place along the yarn
 /// where it came in.
-pub struct Bounces<'a> {
-    pub tubes: &'a Tubes,
-    /// Of warp and weft, with the same wavelengths.
-    pub yarns: [&'a Yarn; 2],
+pub struct YarnToYarn<'a> {
+    pub scene: Scene<'a>,
+    /// Of warp and weft.
     pub scatter: [&'a YarnSampler; 2],
-    /// Reflectance, at each wavelength, of a rough plane under the cloth.
-    pub backing: Option<&'a [f64]>,
-    /// What becomes of light that the outer surface of a yarn reflects.
-    pub surface: YarnSurface,
     /// Yarns that light may go on to after the first it met; what would go on further is cut, and the ledger says how much that is.
     pub most: usize,
-    pub seed: u64,
 }
 
-impl Bounces<'_> {
+impl YarnToYarn<'_> {
     pub(super) fn wavelengths(&self) -> usize {
-        self.yarns[0].medium.grid().len()
+        self.scene.wavelengths()
     }
 
-    pub(super) fn skins(&self) -> [Skin; 2] {
-        self.yarns.map(Skin::new)
+    pub(super) fn surfaces(&self) -> [OuterSurface; 2] {
+        self.scene.yarns.map(OuterSurface::new)
     }
 
     /// Sends on what crosses the yarn of the light inside; leaves in `parts.inside` what does not.
     pub(super) fn cross<D: Detector>(
         &self,
-        (yarn, skin): (&Yarn, &Skin),
+        (yarn, outer): (&Yarn, &OuterSurface),
         arrival: &Arrival,
         entry: &Interface,
         parts: &mut Parts,
@@ -52,7 +45,7 @@ impl Bounces<'_> {
             position,
             direction,
             length_mm,
-        }) = skin.passage(self.tubes, hit, &direction, entry, rng)
+        }) = outer.passage(self.scene.cloth, hit, &direction, entry, rng)
         else {
             return;
         };
@@ -61,7 +54,7 @@ impl Bounces<'_> {
             *out = *inside * (-extinction * length_mm).exp();
             *inside -= *out;
         }
-        air.launch(position, direction, &parts.out, arrival.past.through_yarn());
+        air.launch(position, direction, &parts.out, arrival.history.through_yarn());
     }
 
     pub(super) fn scatter<D: Detector>(
@@ -102,12 +95,15 @@ impl Bounces<'_> {
             light.map(|((inside, out), kept)| inside - kept - out),
         );
         let outward = hit.frame.to_world(&leaving.normal);
-        let position = self.tubes.beside(hit.yarn.system, hit.position.into(), outward.into());
+        let position = self
+            .scene
+            .cloth
+            .beside(hit.yarn.system, hit.position.into(), outward.into());
         air.launch(
             position.into(),
             hit.frame.to_world(&leaving.direction),
             &parts.out,
-            arrival.past.spread_by_yarn(Spread::Scattered),
+            arrival.history.spread_by_yarn(Spread::Scattered),
         );
     }
 }
@@ -127,8 +123,8 @@ impl Parts {
     }
 
     /// Splits light that meets a yarn: what its surface reflects, `out`, and what goes in, `inside`.
-    pub fn enter(&mut self, skin: &Skin, arrival: &Arrival, weights: &[f32]) -> Interface {
-        let entry = skin.outside(&arrival.hit, &-arrival.omega_in);
+    pub fn enter(&mut self, outer: &OuterSurface, arrival: &Arrival, weights: &[f32]) -> Interface {
+        let entry = outer.outside(&arrival.hit, &-arrival.omega_in);
         for ((inside, out), weight) in self.inside.iter_mut().zip(&mut self.out).zip(weights) {
             *out = entry.reflectance * f64::from(*weight);
             *inside = f64::from(*weight) - *out;

@@ -1,5 +1,5 @@
 use super::{Beam, ClothBatch, ClothFraction, ClothLedger, Detector, YarnSurface};
-use crate::cloth::{System, TubeHit, Tubes};
+use crate::cloth::{Cloth, Hit, System};
 use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
@@ -7,10 +7,10 @@ use rand::{Rng, RngExt};
 /// Light on its way to a yarn that it has met.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arrival {
-    pub hit: TubeHit,
+    pub hit: Hit,
     /// Unit vector towards where it comes from.
     pub omega_in: Vec3,
-    pub past: Past,
+    pub history: History,
 }
 
 impl Arrival {
@@ -22,7 +22,7 @@ impl Arrival {
 
 /// What light has been through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Past {
+pub(super) struct History {
     /// Yarns it has met.
     pub yarns: usize,
     pub spread: Spread,
@@ -41,7 +41,7 @@ pub(super) enum Spread {
     ByFibresBefore,
 }
 
-impl Past {
+impl History {
     pub const NONE: Self = Self {
         yarns: 0,
         spread: Spread::Never,
@@ -86,16 +86,16 @@ pub(super) struct Queue {
 /// Particles that wait at the backing.
 #[derive(Default)]
 pub(super) struct Landed {
-    pub arrivals: Vec<Landing>,
+    pub arrivals: Vec<BackingHit>,
     pub weights: Vec<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Landing {
+pub(super) struct BackingHit {
     pub position: Vec3,
     /// Unit vector towards where it comes from.
     pub omega_in: Vec3,
-    pub past: Past,
+    pub history: History,
 }
 
 /// With what probability one particle goes on for all of the light that leaves a yarn one way and meets another, if it is below 1.
@@ -112,7 +112,7 @@ pub(super) enum Survival {
 
 /// The air between and around the yarns: takes light that leaves a yarn to the next, or out of the cloth.
 pub(super) struct Air<'a, D, R> {
-    tubes: &'a Tubes,
+    cloth: &'a Cloth,
     /// Reflectance of a perfectly rough plane right under the cloth, at each wavelength.
     backing: Option<&'a [f64]>,
     detector: &'a D,
@@ -130,7 +130,7 @@ pub(super) struct Air<'a, D, R> {
 
 impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
     pub fn new(
-        tubes: &'a Tubes,
+        cloth: &'a Cloth,
         backing: Option<&'a [f64]>,
         detector: &'a D,
         catching: Caught,
@@ -139,7 +139,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         wavelengths: usize,
     ) -> Self {
         Self {
-            tubes,
+            cloth,
             backing,
             detector,
             rng,
@@ -155,16 +155,16 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
     }
 
     /// Sends so many particles of a beam.
-    pub fn shine(&mut self, beam: &Beam, particles: usize) {
+    pub fn launch_beam(&mut self, beam: &Beam, particles: usize) {
         let omega_in = beam.omega_in;
         self.light_above = omega_in.z > 0.0;
-        for origin in beam.origins(self.tubes, particles, &mut self.rng) {
-            match self.tubes.first_hit(origin, -omega_in) {
+        for origin in beam.origins(self.cloth, particles, &mut self.rng) {
+            match self.cloth.first_hit(origin, -omega_in) {
                 Some(hit) => {
                     let arrival = Arrival {
                         hit,
                         omega_in,
-                        past: Past::NONE,
+                        history: History::NONE,
                     };
                     self.queue(arrival, std::iter::repeat_n(1.0, self.wavelengths));
                 }
@@ -173,7 +173,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
                         origin,
                         -omega_in,
                         std::iter::repeat_n(1.0, self.wavelengths),
-                        Past::NONE,
+                        History::NONE,
                     );
                 }
                 None => self
@@ -199,12 +199,12 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
     }
 
     /// Follows light that leaves a yarn, or the backing.
-    pub fn launch(&mut self, origin: Vec3, direction: Vec3, weights: &[f64], past: Past) {
-        let Some(hit) = self.tubes.first_hit(origin, direction) else {
+    pub fn launch(&mut self, origin: Vec3, direction: Vec3, weights: &[f64], history: History) {
+        let Some(hit) = self.cloth.first_hit(origin, direction) else {
             if self.backing.is_some() && (direction.z > 0.0) != self.light_above {
-                self.land(origin, direction, weights.iter().copied(), past);
+                self.land(origin, direction, weights.iter().copied(), history);
             } else {
-                self.escape(&direction, weights, past);
+                self.escape(&direction, weights, history);
             }
             return;
         };
@@ -228,7 +228,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             let arrival = Arrival {
                 hit,
                 omega_in: -direction,
-                past,
+                history,
             };
             self.queue(arrival, weights.iter().map(|weight| (worth * weight) as f32));
         }
@@ -236,37 +236,37 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
 
     /// Sends on what the surface of a yarn reflects, `weights`, of light that met it.
     pub fn reflect(&mut self, surface: &YarnSurface, arrival: &Arrival, weights: &[f64]) {
-        let Arrival { hit, omega_in, past } = arrival;
+        let Arrival { hit, omega_in, history } = arrival;
         match surface {
             YarnSurface::Lost => self.keep(ClothFraction::ReflectionDropped, weights.iter().copied()),
             YarnSurface::Smooth => {
                 let direction = hit.frame.normal * (2.0 * arrival.cos_in()) - omega_in;
-                self.launch(hit.position, direction, weights, past.through_yarn());
+                self.launch(hit.position, direction, weights, history.through_yarn());
             }
             YarnSurface::Fibres(gloss) => {
                 let numbers = [self.rng.random(), self.rng.random()];
                 let local = gloss.draw(&hit.frame.to_local(omega_in), numbers);
-                let past = past.spread_by_yarn(Spread::ByFibres);
-                self.launch(hit.position, hit.frame.to_world(&local), weights, past);
+                let history = history.spread_by_yarn(Spread::ByFibres);
+                self.launch(hit.position, hit.frame.to_world(&local), weights, history);
             }
         }
     }
 
     /// The backing lies at the height of the cloth's lowest points.
-    fn land(&mut self, origin: Vec3, direction: Vec3, weights: impl Iterator<Item = f64>, past: Past) {
-        let height = if self.light_above { -1.0 } else { 1.0 } * self.tubes.top_mm();
+    fn land(&mut self, origin: Vec3, direction: Vec3, weights: impl Iterator<Item = f64>, history: History) {
+        let height = if self.light_above { -1.0 } else { 1.0 } * self.cloth.top_mm();
         let position = origin + direction * ((height - origin.z) / direction.z).max(0.0);
-        self.landed.arrivals.push(Landing {
+        self.landed.arrivals.push(BackingHit {
             position,
             omega_in: -direction,
-            past,
+            history,
         });
         self.landed.weights.extend(weights);
     }
 
     /// Sends light back from the backing, a perfect diffuser of its reflectance; the rest is absorbed. Leaves in `weights` what it
     /// sends back.
-    pub fn send_back(&mut self, landing: &Landing, weights: &mut [f64]) {
+    pub fn send_back(&mut self, landing: &BackingHit, weights: &mut [f64]) {
         let reflectance = self.backing.unwrap_or_default().iter();
         for ((weight, sums), reflectance) in weights.iter_mut().zip(&mut self.sums).zip(reflectance) {
             let back = *weight * reflectance;
@@ -277,11 +277,11 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         let (sin2, around): (f64, f64) = (self.rng.random(), self.rng.random::<f64>() * std::f64::consts::TAU);
         let sin = sin2.sqrt();
         let diffuse = Vec3::new(sin * around.cos(), sin * around.sin(), up * (1.0 - sin2).sqrt());
-        let past = Past {
+        let history = History {
             spread: Spread::Scattered,
-            ..landing.past
+            ..landing.history
         };
-        self.launch(landing.position, diffuse, weights, past);
+        self.launch(landing.position, diffuse, weights, history);
     }
 
     fn queue(&mut self, arrival: Arrival, weights: impl Iterator<Item = f32>) {
@@ -290,7 +290,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         queue.weights.extend(weights);
     }
 
-    fn escape(&mut self, direction: &Vec3, weights: &[f64], past: Past) {
+    fn escape(&mut self, direction: &Vec3, weights: &[f64], history: History) {
         let side = if (direction.z > 0.0) == self.light_above {
             ClothFraction::Reflected
         } else {
@@ -300,7 +300,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
             sums[side] += counted * weight;
         }
-        if self.catching == Caught::TurnedAfterFibres && past.spread != Spread::ByFibresBefore {
+        if self.catching == Caught::TurnedAfterFibres && history.spread != Spread::ByFibresBefore {
             return;
         }
         let caught = &mut self.caught;

@@ -1,6 +1,6 @@
 use super::Cells;
+use crate::cloth::light::HemisphereNodes;
 use crate::formats::{Channels, Encoding, Format, resampled_nodes};
-use crate::woven::HemisphereNodes;
 
 /// Bytes of a number of six digits and of one with all its digits, as 0.0312345 and 0.031234567890123456, and of what parts it
 /// from the next.

@@ -1,7 +1,7 @@
 use super::{FullBsdf, Incidence};
+use crate::cloth::light::{ClothFraction, ClothLedger};
 use crate::formats::Side;
 use crate::transport::Estimate;
-use crate::woven::{ClothFraction, ClothLedger};
 use serde::Serialize;
 
 /// Fractions kept of an incidence at a wavelength: those of the ledger, then the whole transmission.

@@ -1,4 +1,4 @@
-use crate::cloth::{TubeHit, Tubes};
+use crate::cloth::{Cloth, Hit};
 use crate::geometry::Vec3;
 use crate::optics::fresnel::{self, Interface};
 use crate::yarn::Yarn;
@@ -13,7 +13,7 @@ const OPAQUE: f64 = 14.0;
 /// The surface of one system's yarns, for rays that meet no particle. Dispersion of the host parts rays of different wavelengths; all
 /// go the way of the middle one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Skin {
+pub(super) struct OuterSurface {
     pub index: f64,
     /// Way through the medium after which nothing is left at its clearest wavelength.
     longest_mm: f64,
@@ -27,7 +27,7 @@ pub(super) struct Passage {
     pub length_mm: f64,
 }
 
-impl Skin {
+impl OuterSurface {
     pub fn new(yarn: &Yarn) -> Self {
         let medium = &yarn.medium;
         let hosts = medium.host_index();
@@ -38,7 +38,7 @@ impl Skin {
     }
 
     /// The outer surface as a ray along `direction` meets it.
-    pub fn outside(&self, hit: &TubeHit, direction: &Vec3) -> Interface {
+    pub fn outside(&self, hit: &Hit, direction: &Vec3) -> Interface {
         fresnel::interface(cos_in(hit, direction), self.index)
     }
 
@@ -46,8 +46,8 @@ impl Skin {
     /// the reflectance. `None` if nothing is left of it before.
     pub fn passage(
         &self,
-        tubes: &Tubes,
-        hit: &TubeHit,
+        cloth: &Cloth,
+        hit: &Hit,
         direction: &Vec3,
         outside: &Interface,
         rng: &mut impl Rng,
@@ -58,13 +58,13 @@ impl Skin {
         let mut direction = refracted(direction, &hit.frame.normal, cos_in, outside.cos_t, 1.0 / self.index);
         let mut length_mm = 0.0;
         for _ in 0..INNER_HITS {
-            let step_mm = tubes.inside_distance(system, position.into(), direction.into(), f64::INFINITY);
+            let step_mm = cloth.inside_distance(system, position.into(), direction.into(), f64::INFINITY);
             length_mm += step_mm;
             // A search that found no surface is infinitely far.
             if length_mm.is_infinite() || length_mm > self.longest_mm {
                 return None;
             }
-            let (on_surface, normal) = tubes.surface(system, (position + direction * step_mm).into());
+            let (on_surface, normal) = cloth.surface(system, (position + direction * step_mm).into());
             let normal = Vec3::from(normal);
             position = on_surface.into();
             let cos_i = direction.dot(&normal).clamp(0.0, 1.0);
@@ -83,11 +83,11 @@ impl Skin {
 }
 
 /// Unit direction of a ray that the outer surface reflects.
-pub(super) fn mirrored(hit: &TubeHit, direction: &Vec3) -> Vec3 {
+pub(super) fn mirrored(hit: &Hit, direction: &Vec3) -> Vec3 {
     direction + hit.frame.normal * (2.0 * cos_in(hit, direction))
 }
 
-fn cos_in(hit: &TubeHit, direction: &Vec3) -> f64 {
+fn cos_in(hit: &Hit, direction: &Vec3) -> f64 {
     (-hit.frame.normal.dot(direction)).clamp(0.0, 1.0)
 }
 

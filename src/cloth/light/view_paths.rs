@@ -1,17 +1,17 @@
 use super::air::{Air, Caught, Survival};
-use super::scattering::{Bounces, Nothing, Parts};
+use super::yarn_to_yarn::{Nothing, Parts, YarnToYarn};
 use super::{Beam, YarnSurface};
-use crate::cloth::{System, TubeHit, Tubes};
+use crate::cloth::{Cloth, Hit, System};
 use crate::geometry::Vec3;
 use crate::transport::{Purpose, Stream};
 use std::ops::Range;
 
 /// Where light that a view sees comes from: points of yarns and of the backing that its camera rays meet, straight or on through
 /// yarns by their surfaces alone. What surfaces turn on its way to the view thus has no need to be caught there.
-pub struct Sight {
-    /// Of each end its group, ascending: [`End::group`].
+pub struct ViewPaths {
+    /// Of each end its group, ascending: [`Vertex::group`].
     groups: Vec<usize>,
-    ends: Vec<End>,
+    ends: Vec<Vertex>,
     /// What of the light of an end arrives: end × wavelength, wavelength fastest.
     weights: Vec<f32>,
     wavelengths: usize,
@@ -21,7 +21,7 @@ pub struct Sight {
 
 /// One of the points.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct End {
+pub(super) struct Vertex {
     place: usize,
     pub position: Vec3,
     /// Of the yarn; unit vector out of it.
@@ -34,7 +34,7 @@ pub(super) struct End {
     pub per_surface: f64,
 }
 
-impl End {
+impl Vertex {
     /// Ends of one place with no yarn between come first, then its others.
     fn group(&self) -> usize {
         2 * self.place + usize::from(self.yarns > 0)
@@ -43,7 +43,7 @@ impl End {
 
 /// Light of one end: what arrives of it, and for how many ends of the place it stands.
 pub(super) struct Seen<'a> {
-    pub end: &'a End,
+    pub end: &'a Vertex,
     pub weights: &'a [f32],
     pub of_ends: f64,
 }
@@ -51,7 +51,7 @@ pub(super) struct Seen<'a> {
 /// A yarn's scattering forgets where along a short piece of the yarn light came in, and the backing's where in a small square: pieces
 /// and squares of the cell, numbered.
 #[derive(Clone, Debug)]
-pub struct Places {
+pub struct Segments {
     /// Pieces of one yarn of warp and weft, and the first number of each system, and of the backing.
     pieces: [usize; 2],
     first: [usize; 3],
@@ -59,14 +59,14 @@ pub struct Places {
     cell_mm: [f64; 2],
 }
 
-impl Places {
+impl Segments {
     /// Pieces of yarn, and sides of squares, are as long as this at most.
-    pub fn new(tubes: &Tubes, piece_mm: f64, square_mm: f64) -> Self {
+    pub fn new(cloth: &Cloth, piece_mm: f64, square_mm: f64) -> Self {
         let count = |length: f64, most: f64| (length / most).ceil() as usize;
-        let cell_mm = tubes.cell_mm();
-        let pieces = [System::Warp, System::Weft].map(|system| count(tubes.repeat_mm(system), piece_mm));
-        let warps = tubes.yarns(System::Warp) * pieces[0];
-        let wefts = tubes.yarns(System::Weft) * pieces[1];
+        let cell_mm = cloth.cell_mm();
+        let pieces = [System::Warp, System::Weft].map(|system| count(cloth.repeat_mm(system), piece_mm));
+        let warps = cloth.yarns(System::Warp) * pieces[0];
+        let wefts = cloth.yarns(System::Weft) * pieces[1];
         Self {
             pieces,
             first: [0, warps, warps + wefts],
@@ -76,11 +76,11 @@ impl Places {
     }
 
     /// Number of the piece of yarn that light meets.
-    pub(super) fn of_yarn(&self, tubes: &Tubes, hit: &TubeHit) -> usize {
+    pub(super) fn of_yarn(&self, cloth: &Cloth, hit: &Hit) -> usize {
         let system = hit.yarn.system;
         let k = system.index();
-        let place_mm = tubes.place_mm(system, hit.position.into());
-        let along = place_mm / tubes.repeat_mm(system) * self.pieces[k] as f64;
+        let place_mm = cloth.place_mm(system, hit.position.into());
+        let along = place_mm / cloth.repeat_mm(system) * self.pieces[k] as f64;
         let piece = (along as usize).min(self.pieces[k] - 1);
         self.first[k] + hit.yarn.index as usize * self.pieces[k] + piece
     }
@@ -93,8 +93,8 @@ impl Places {
         self.first[2] + row * self.squares[0] + column
     }
 
-    fn piece_mm(&self, tubes: &Tubes, system: System) -> f64 {
-        tubes.repeat_mm(system) / self.pieces[system.index()] as f64
+    fn piece_mm(&self, cloth: &Cloth, system: System) -> f64 {
+        cloth.repeat_mm(system) / self.pieces[system.index()] as f64
     }
 
     fn square_mm2(&self) -> f64 {
@@ -102,16 +102,16 @@ impl Places {
     }
 }
 
-impl Sight {
+impl ViewPaths {
     /// Of one view, above the cloth; `view` is a unit vector, and `number` tells the random streams of views apart.
-    pub fn new(light: &Bounces, places: &Places, view: &Vec3, number: usize, batch: usize, rays: usize) -> Self {
-        let tubes = light.tubes;
+    pub fn new(light: &YarnToYarn, segments: &Segments, view: &Vec3, number: usize, batch: usize, rays: usize) -> Self {
+        let cloth = light.scene.cloth;
         let wavelengths = light.wavelengths();
-        let stream = |k| Stream::open(light.seed, Purpose::Sights, number, batch, k);
+        let stream = |k| Stream::open(light.scene.seed, Purpose::Sights, number, batch, k);
         let survival = Survival::LargestWeight;
         let mut air = Air::new(
-            tubes,
-            light.backing,
+            cloth,
+            light.scene.backing,
             &Nothing,
             Caught::All,
             survival,
@@ -119,9 +119,9 @@ impl Sight {
             wavelengths,
         );
         let mut rng = stream(1);
-        let skins = light.skins();
+        let surfaces = light.surfaces();
         // What fibres reflect is shown where they do.
-        let mirror = match light.surface {
+        let mirror = match light.scene.surface {
             YarnSurface::Smooth => YarnSurface::Smooth,
             YarnSurface::Lost | YarnSurface::Fibres(_) => YarnSurface::Lost,
         };
@@ -131,23 +131,23 @@ impl Sight {
             omega_in: *view,
             number,
         };
-        air.shine(&camera, rays);
+        air.launch_beam(&camera, rays);
         while !air.is_empty() {
             for (k, system) in [System::Warp, System::Weft].into_iter().enumerate() {
-                let crossed = (light.yarns[k], &skins[k]);
+                let crossed = (light.scene.yarns[k], &surfaces[k]);
                 let waiting = air.take(system);
                 for (arrival, of_arrival) in waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths)) {
-                    let surface_mm = tubes.surface_mm(system, arrival.hit.position.into());
-                    ends.push(End {
-                        place: places.of_yarn(tubes, &arrival.hit),
+                    let surface_mm = cloth.surface_mm(system, arrival.hit.position.into());
+                    ends.push(Vertex {
+                        place: segments.of_yarn(cloth, &arrival.hit),
                         position: arrival.hit.position,
                         normal: arrival.hit.frame.normal,
                         towards: arrival.omega_in,
-                        yarns: arrival.past.yarns,
-                        per_surface: 1.0 / (surface_mm * places.piece_mm(tubes, system)),
+                        yarns: arrival.history.yarns,
+                        per_surface: 1.0 / (surface_mm * segments.piece_mm(cloth, system)),
                     });
                     weights.extend_from_slice(of_arrival);
-                    if arrival.past.yarns <= light.most {
+                    if arrival.history.yarns <= light.most {
                         let entry = parts.enter(crossed.1, arrival, of_arrival);
                         air.reflect(&mirror, arrival, &parts.out);
                         light.cross(crossed, arrival, &entry, &mut parts, &mut air, &mut rng);
@@ -156,13 +156,13 @@ impl Sight {
             }
             let landed = air.take_landed();
             for (landing, of_landing) in landed.arrivals.iter().zip(landed.weights.chunks_exact(wavelengths)) {
-                ends.push(End {
-                    place: places.of_backing(&landing.position),
+                ends.push(Vertex {
+                    place: segments.of_backing(&landing.position),
                     position: landing.position,
                     normal: Vec3::z(),
                     towards: landing.omega_in,
-                    yarns: landing.past.yarns,
-                    per_surface: 1.0 / places.square_mm2(),
+                    yarns: landing.history.yarns,
+                    per_surface: 1.0 / segments.square_mm2(),
                 });
                 weights.extend(of_landing.iter().map(|weight| *weight as f32));
             }
@@ -170,7 +170,7 @@ impl Sight {
         Self::sorted(&ends, &weights, wavelengths, rays)
     }
 
-    fn sorted(ends: &[End], weights: &[f32], wavelengths: usize, rays: usize) -> Self {
+    fn sorted(ends: &[Vertex], weights: &[f32], wavelengths: usize, rays: usize) -> Self {
         let mut order: Vec<usize> = (0..ends.len()).collect();
         order.sort_by_key(|&k| ends[k].group());
         Self {
@@ -208,8 +208,8 @@ impl Sight {
     }
 
     /// Those on the backing with nothing between.
-    pub(super) fn bare(&self, places: &Places) -> impl Iterator<Item = &End> {
-        let on_backing = self.groups.partition_point(|group| *group < 2 * places.first[2]);
+    pub(super) fn bare(&self, segments: &Segments) -> impl Iterator<Item = &Vertex> {
+        let on_backing = self.groups.partition_point(|group| *group < 2 * segments.first[2]);
         self.ends[on_backing..].iter().filter(|end| end.yarns == 0)
     }
 }

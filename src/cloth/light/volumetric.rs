@@ -1,16 +1,20 @@
-use super::air::{Air, Caught, Past, Queue, Survival};
-use super::{Beam, ClothBatch, ClothFraction, Detector, YarnSurface};
-use crate::cloth::{System, Tubes};
+use super::air::{Air, Caught, History, Queue, Survival};
+use super::{Beam, ClothBatch, ClothFraction, Detector, Integrator, LitBatch, LitViews, Scene, YarnSurface};
+use crate::cloth::{Cloth, System};
+use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use crate::optics::fresnel;
-use crate::transport::{Entry, Fraction, Interior, Ledger, Purpose, Roulette, Shape, Stream, Walk};
+use crate::transport::{Entry, Fraction, Interior, Ledger, Purpose, Shape, Stream, Walk};
+use crate::yarn::{Estimator, Sharing, YarnError, YarnResponse};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
 use std::cell::RefCell;
+use std::f64::consts::PI;
 
 /// The yarns of one system as a body: a point in one of them is in it until it leaves that one.
 #[derive(Clone, Copy, Debug)]
 pub struct Inside<'a> {
-    pub tubes: &'a Tubes,
+    pub cloth: &'a Cloth,
     pub system: System,
 }
 
@@ -18,65 +22,97 @@ impl Shape for Inside<'_> {
     const SIDE_BY_SIDE: bool = false;
 
     fn distance(&self, position: [f64; 3], direction: [f64; 3], limit_mm: f64) -> f64 {
-        let distance = self.tubes.inside_distance(self.system, position, direction, limit_mm);
+        let distance = self.cloth.inside_distance(self.system, position, direction, limit_mm);
         if distance < limit_mm { distance } else { f64::INFINITY }
     }
 
     fn surface(&self, position: [f64; 3], _: [f64; 3]) -> [[f64; 3]; 2] {
-        let (on_surface, normal) = self.tubes.surface(self.system, position);
+        let (on_surface, normal) = self.cloth.surface(self.system, position);
         [on_surface, normal]
     }
 }
 
 /// Light traced through the medium of every yarn it meets: refraction at each surface, scattering inside, and on to the
 /// next yarn, with no f* between. The kernel is that of a single yarn.
-#[derive(Clone, Copy, Debug)]
 pub struct Volumetric<'a> {
-    pub tubes: &'a Tubes,
-    /// Media of warp and weft, with the same wavelengths.
-    pub interiors: [&'a Interior<'a>; 2],
-    /// Reflectance, at each wavelength, of a rough plane under the cloth.
-    pub backing: Option<&'a [f64]>,
-    pub roulette: Roulette,
-    /// What becomes of light that the yarns reflect on its way in.
-    pub surface: YarnSurface,
-    pub seed: u64,
+    scene: Scene<'a>,
+    /// Groups of wavelengths that share paths, in the media of warp and weft.
+    groups: Vec<[Sharing<'a>; 2]>,
+    particles: usize,
 }
 
 /// Streams of one batch: the air's, then one for each walk.
 const STREAMS_OF_WAVELENGTH: usize = 1 << 24;
 
-impl Volumetric<'_> {
-    /// Batch number `batch` of `particles` particles. `first` is the number of the first of the interiors' wavelengths in the
-    /// study's grid.
-    pub fn batch<D: Detector>(
+impl<'a> Volumetric<'a> {
+    /// `particles` of a beam in a batch.
+    ///
+    /// # Errors
+    /// A medium that paths cannot be traced in.
+    pub fn new(scene: Scene<'a>, particles: usize) -> Result<Self, YarnError> {
+        // Paths go through both media, so one that parts the wavelengths parts them in both.
+        let shared = (scene.yarns.iter()).all(|yarn| yarn.estimator_in_use() == Estimator::Shared);
+        let estimator = if shared {
+            Estimator::Shared
+        } else {
+            Estimator::Independent
+        };
+        let [warp, weft] = scene.yarns;
+        let both = std::iter::zip(warp.sharing_by(estimator)?, weft.sharing_by(estimator)?);
+        Ok(Self {
+            scene,
+            groups: both.map(|(warp, weft)| [warp, weft]).collect(),
+            particles,
+        })
+    }
+
+    /// Batch number `batch` of a beam, at all wavelengths.
+    pub fn batch<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize) -> ClothBatch {
+        let mut all = ClothBatch {
+            ledger: Vec::new(),
+            caught: vec![Vec::new(); detector.bins()],
+        };
+        for group in &self.groups {
+            let part = self.of_group(group, beam, detector, batch);
+            all.ledger.extend(part.ledger);
+            all.caught
+                .iter_mut()
+                .zip(part.caught)
+                .for_each(|(all, more)| all.extend(more));
+        }
+        all
+    }
+
+    fn of_group<D: Detector>(
         &self,
+        [warp, weft]: &[Sharing<'_>; 2],
         beam: &Beam,
         detector: &D,
-        first: usize,
         batch: usize,
-        particles: usize,
     ) -> ClothBatch {
+        let Scene {
+            cloth, backing, seed, ..
+        } = self.scene;
+        let (first, wavelengths) = (warp.first, warp.interior.wavelengths());
         let mut stream_number = first * STREAMS_OF_WAVELENGTH;
         let mut next = || {
             stream_number += 1;
-            Stream::open(self.seed, Purpose::Woven, beam.number, batch, stream_number)
+            Stream::open(seed, Purpose::Woven, beam.number, batch, stream_number)
         };
-        let wavelengths = self.interiors[0].wavelengths();
         let air = RefCell::new(Air::new(
-            self.tubes,
-            self.backing,
+            cloth,
+            backing.map(|values| &values[first..first + wavelengths]),
             detector,
             Caught::All,
             Survival::MeanWeight,
             next(),
             wavelengths,
         ));
-        air.borrow_mut().shine(beam, particles);
+        air.borrow_mut().launch_beam(beam, self.particles);
         while !air.borrow().is_empty() {
-            for (system, interior) in [System::Warp, System::Weft].into_iter().zip(self.interiors) {
+            for (system, sharing) in [(System::Warp, warp), (System::Weft, weft)] {
                 let waiting = air.borrow_mut().take(system);
-                self.through(system, interior, waiting, &air, next());
+                self.through(system, &sharing.interior, waiting, &air, next());
             }
             let mut landed = air.borrow_mut().take_landed();
             let rows = landed.weights.chunks_exact_mut(wavelengths);
@@ -84,7 +120,7 @@ impl Volumetric<'_> {
                 air.borrow_mut().send_back(landing, weights);
             }
         }
-        air.into_inner().batch(particles)
+        air.into_inner().batch(self.particles)
     }
 
     /// Takes what waits at the yarns of a system through them.
@@ -99,15 +135,15 @@ impl Volumetric<'_> {
         let wavelengths = interior.wavelengths();
         let walk = Walk {
             shape: &Inside {
-                tubes: self.tubes,
+                cloth: self.scene.cloth,
                 system,
             },
             interior,
-            roulette: self.roulette,
+            roulette: self.scene.yarns[0].roulette,
         };
         let mut coming = waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths));
         // What is lost the walk's ledger holds.
-        let goes_on = self.surface != YarnSurface::Lost;
+        let goes_on = self.scene.surface != YarnSurface::Lost;
         let mut reflected = vec![0.0; wavelengths];
         let traced = walk.trace_incident(
             stream,
@@ -122,7 +158,7 @@ impl Volumetric<'_> {
                     for (reflected, weight) in reflected.iter_mut().zip(weights) {
                         *reflected = reflectance * f64::from(*weight);
                     }
-                    air.borrow_mut().reflect(&self.surface, arrival, &reflected);
+                    air.borrow_mut().reflect(&self.scene.surface, arrival, &reflected);
                 }
                 Entry {
                     position: arrival.hit.position,
@@ -132,7 +168,7 @@ impl Volumetric<'_> {
             },
             |exit| {
                 air.borrow_mut()
-                    .launch(exit.position, exit.direction, exit.weights, Past::NONE)
+                    .launch(exit.position, exit.direction, exit.weights, History::NONE)
             },
         );
         let ledgers = traced.ledgers.iter();
@@ -157,3 +193,18 @@ const NOWHERE: Entry = Entry {
     normal: Vec3::new(0.0, 0.0, 1.0),
     omega_in: Vec3::new(0.0, 0.0, 1.0),
 };
+
+impl Integrator for Volumetric<'_> {
+    fn brightness(&self, _: &[YarnResponse], lit: &[LitViews], batch: usize) -> Result<Vec<LitBatch>, YarnError> {
+        let of_beam = |LitViews { beam, cones, .. }: &LitViews| {
+            let ClothBatch { ledger, mut caught } = self.batch(beam, cones, batch);
+            for (k, caught) in caught.iter_mut().enumerate() {
+                let lost = if fault::active(Fault::ApertureLoss) { 0.97 } else { 1.0 };
+                let factor = lost * PI / cones.projected_solid_angle(k);
+                caught.iter_mut().for_each(|c| *c *= factor);
+            }
+            LitBatch { beta: caught, ledger }
+        };
+        Ok(lit.par_iter().map(of_beam).collect())
+    }
+}

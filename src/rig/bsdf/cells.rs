@@ -1,7 +1,7 @@
 use super::Symmetry;
+use crate::cloth::light::{Detector, HemisphereNodes};
 use crate::formats::KlemsBasis;
 use crate::geometry::Vec3;
-use crate::woven::{Detector, HemisphereNodes};
 use rand::{Rng, RngExt};
 
 /// The incident and outgoing directions of a full measurement, on either side of the cloth alike. A cell below the cloth is

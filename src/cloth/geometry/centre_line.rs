@@ -1,17 +1,6 @@
 use super::piece::Piece;
-use super::{ClothError, System};
+use crate::cloth::{CentreLineKind, ClothError, System};
 use std::f64::consts::PI;
-
-/// Shape of the yarns' centre lines.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub enum CentreLineKind {
-    /// Circular arcs wrapped around the crossing yarns, joined by straights: F. T. Peirce, "The geometry of cloth
-    /// structure", J. Textile Inst. 28 (1937) T45. The crimp is shared equally by the two systems.
-    #[default]
-    Peirce,
-    /// Half a cosine between a crossing above and one below, straight along floats.
-    Sinusoid { amplitude_mm: f64 },
-}
 
 /// Peirce's geometry between two neighbouring crossings where the yarn changes sides. With p the spacing of the yarns
 /// crossed, D the sum of both diameters, l the length of yarn, θ the weave angle and h the crimp height,

@@ -1,7 +1,7 @@
-use super::passage::{Passage, Skin, mirrored};
-use super::scattering::Bounces;
+use super::outer_surface::{OuterSurface, Passage, mirrored};
+use super::yarn_to_yarn::YarnToYarn;
 use super::{Beam, Detector, YarnSurface};
-use crate::cloth::TubeHit;
+use crate::cloth::Hit;
 use crate::geometry::Vec3;
 use crate::optics::fresnel::Interface;
 use crate::transport::{Purpose, Stream};
@@ -9,9 +9,9 @@ use rand::{Rng, RngExt};
 
 /// Light that no particle of a medium scatters and surfaces alone turn. It goes the way of a ray, which is the same at all wavelengths;
 /// what is left of it is worked out from its lengths in warp and weft where it is caught.
-pub(super) struct Straight<'a> {
-    light: &'a Bounces<'a>,
-    skins: [Skin; 2],
+pub(super) struct SpecularPaths<'a> {
+    light: &'a YarnToYarn<'a>,
+    surfaces: [OuterSurface; 2],
     /// Whether the outer surface is one; otherwise what it reflects is spread, or lost.
     mirrors: bool,
 }
@@ -25,26 +25,26 @@ struct Ray {
     yarns: usize,
 }
 
-impl<'a> Straight<'a> {
-    pub fn new(light: &'a Bounces<'a>) -> Self {
+impl<'a> SpecularPaths<'a> {
+    pub fn new(light: &'a YarnToYarn<'a>) -> Self {
         Self {
             light,
-            skins: light.skins(),
-            mirrors: light.surface == YarnSurface::Smooth,
+            surfaces: light.surfaces(),
+            mirrors: light.scene.surface == YarnSurface::Smooth,
         }
     }
 
     /// What `detector` catches of it, as a fraction of the beam: [bin][wavelength].
     pub fn caught<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> Vec<Vec<f64>> {
         let light = self.light;
-        let mut rng = Stream::open(light.seed, Purpose::Straight, beam.number, batch, 0);
+        let mut rng = Stream::open(light.scene.seed, Purpose::Straight, beam.number, batch, 0);
         let mut caught = vec![vec![0.0; light.wavelengths()]; detector.bins()];
-        for origin in beam.origins(light.tubes, particles, &mut rng) {
+        for origin in beam.origins(light.scene.cloth, particles, &mut rng) {
             let direction = -beam.omega_in;
-            let Some(hit) = light.tubes.first_hit(origin, direction) else {
+            let Some(hit) = light.scene.cloth.first_hit(origin, direction) else {
                 continue;
             };
-            let outside = self.skins[hit.yarn.system.index()].outside(&hit, &direction);
+            let outside = self.surfaces[hit.yarn.system.index()].outside(&hit, &direction);
             let ray = |direction, share: f64| Ray {
                 position: hit.position,
                 direction,
@@ -68,13 +68,13 @@ impl<'a> Straight<'a> {
     /// the reflectance.
     fn follow<D: Detector>(&self, mut ray: Ray, detector: &D, caught: &mut [Vec<f64>], rng: &mut impl Rng) {
         let light = self.light;
-        while let Some(hit) = light.tubes.first_hit(ray.position, ray.direction) {
+        while let Some(hit) = light.scene.cloth.first_hit(ray.position, ray.direction) {
             if ray.yarns > light.most {
                 return;
             }
             ray.yarns += 1;
             ray.position = hit.position;
-            let outside = self.skins[hit.yarn.system.index()].outside(&hit, &ray.direction);
+            let outside = self.surfaces[hit.yarn.system.index()].outside(&hit, &ray.direction);
             if !self.mirrors {
                 ray.weight *= 1.0 - outside.reflectance;
             } else if rng.random::<f64>() < outside.reflectance {
@@ -86,7 +86,7 @@ impl<'a> Straight<'a> {
             }
         }
         detector.find(&ray.direction, |bin, share| {
-            let [warp, weft] = light.yarns.map(|yarn| yarn.medium.extinction_per_mm());
+            let [warp, weft] = light.scene.yarns.map(|yarn| yarn.medium.extinction_per_mm());
             for (sum, (warp, weft)) in caught[bin].iter_mut().zip(warp.zip(weft)) {
                 let depth = warp * ray.length_mm[0] + weft * ray.length_mm[1];
                 *sum += share * ray.weight * (-depth).exp();
@@ -95,13 +95,13 @@ impl<'a> Straight<'a> {
     }
 
     /// Takes a ray through the yarn that it has met; false if nothing comes out.
-    fn through(&self, ray: &mut Ray, hit: &TubeHit, outside: &Interface, rng: &mut impl Rng) -> bool {
+    fn through(&self, ray: &mut Ray, hit: &Hit, outside: &Interface, rng: &mut impl Rng) -> bool {
         let k = hit.yarn.system.index();
         let Some(Passage {
             position,
             direction,
             length_mm,
-        }) = self.skins[k].passage(self.light.tubes, hit, &ray.direction, outside, rng)
+        }) = self.surfaces[k].passage(self.light.scene.cloth, hit, &ray.direction, outside, rng)
         else {
             return false;
         };

@@ -1,0 +1,96 @@
+use super::{Connected, Integrator, LitBatch, LitViews, Scene, Segments, ViewPaths, YarnToYarn};
+use crate::cloth::System;
+use crate::geometry::Vec3;
+use crate::yarn::{YarnError, YarnResponse};
+use rayon::prelude::*;
+use std::iter::zip;
+
+/// Light that goes on from yarn to yarn by their f*, for views: all that the first yarn it met has not scattered straight to them.
+#[derive(Clone, Debug)]
+pub struct Bounces<'a> {
+    scene: Scene<'a>,
+    segments: Segments,
+    /// Yarns after the first.
+    most: usize,
+    particles: usize,
+    rays: usize,
+}
+
+/// Segments of yarn, and squares of the backing, within which light forgets where it came in, in radii of the thinner yarn: far
+/// shorter than light goes along a yarn before it leaves, and than what yarns let through is wide.
+const SEGMENT_RADII: f64 = 0.125;
+const SQUARE_RADII: f64 = 0.25;
+
+/// Rays of a view in a batch, however many the camera has: each point they end at takes memory for every wavelength.
+const MOST_RAYS: usize = 4096;
+const CROSSINGS_OF_PLAIN: usize = 4;
+
+impl<'a> Bounces<'a> {
+    /// Light goes on to `most` yarns after the first; `particles` of a beam in a batch, and `rays` of a view for a plain weave.
+    pub fn new(scene: Scene<'a>, most: usize, particles: usize, rays: usize) -> Self {
+        let radii_mm = scene.yarns.map(|yarn| yarn.cylinder.radius_mm());
+        let radius_mm = radii_mm[0].min(radii_mm[1]);
+        // As many for a segment of yarn, so that a particle finds one as often, as in the cell of a plain weave.
+        let crossings = [System::Warp, System::Weft].map(|system| scene.cloth.yarns(system));
+        let cells = (crossings[0] * crossings[1]).div_ceil(CROSSINGS_OF_PLAIN);
+        Self {
+            scene,
+            segments: Segments::new(scene.cloth, SEGMENT_RADII * radius_mm, SQUARE_RADII * radius_mm),
+            most,
+            particles,
+            rays: rays.saturating_mul(cells).min(MOST_RAYS),
+        }
+    }
+}
+
+impl Integrator for Bounces<'_> {
+    fn brightness(
+        &self,
+        responses: &[YarnResponse],
+        lit: &[LitViews],
+        batch: usize,
+    ) -> Result<Vec<LitBatch>, YarnError> {
+        let scatter = zip(self.scene.yarns, responses)
+            .map(|(yarn, response)| response.sampler(yarn))
+            .collect::<Result<Vec<_>, _>>()?;
+        let [Some(warp), Some(weft)] = [scatter.first(), scatter.last()] else {
+            return Ok(Vec::new());
+        };
+        let light = YarnToYarn {
+            scene: self.scene,
+            scatter: [warp, weft],
+            most: self.most,
+        };
+        let mut views: Vec<Vec3> = Vec::new();
+        for view in lit.iter().flat_map(|lit| lit.cones.views()) {
+            if !views.contains(view) {
+                views.push(*view);
+            }
+        }
+        let paths: Vec<ViewPaths> = views
+            .par_iter()
+            .map(|view| ViewPaths::new(&light, &self.segments, view, direction_number(view), batch, self.rays))
+            .collect();
+        let between = |LitViews { beam, cones, .. }: &LitViews| {
+            let paths_of = |view: &Vec3| zip(&views, &paths).find(|(known, _)| *known == view);
+            let connected = Connected {
+                segments: &self.segments,
+                paths: (cones.views().iter())
+                    .filter_map(paths_of)
+                    .map(|(_, paths)| paths)
+                    .collect(),
+                cones,
+                sunlit: true,
+            };
+            let (beta, ledger) = light.between(beam, &connected, batch, self.particles);
+            LitBatch { beta, ledger }
+        };
+        Ok(lit.par_iter().map(between).collect())
+    }
+}
+
+/// Tells views apart, whatever else the rig measures.
+fn direction_number(view: &Vec3) -> usize {
+    let [x, y] = [view.x, view.y].map(|c| (c * 1e6).round() as isize as usize & 0xff_ffff);
+    x << 24 | y
+}
