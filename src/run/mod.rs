@@ -28,12 +28,11 @@ mod stop;
 mod trace;
 mod watch;
 mod work;
-mod yarn_sums;
 
 pub use approximations::{approximations, check_approximations};
 pub use artefact::{
-    LengthTable, MediumValues, Systematic, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings, merge_shards,
-    trace_shard,
+    BatchTables, LengthTable, MeanTables, MediumValues, Quantities, SumTables, Systematic, Table, YarnArtefact,
+    YarnAxes, YarnBatch, YarnLayout, YarnSettings, YarnSums, merge_shards,
 };
 pub use batches::{Gather, Outcome, Schedule, gather};
 pub use curves::SpectralCurves;
@@ -59,6 +58,5 @@ pub use simulate::{Simulation, simulate};
 pub use simulator::{Batch, Simulator};
 pub use state::StateFile;
 pub use stop::{Precision, PrecisionError, StopRule, StoppedBy, Tolerance, Watched};
-pub use trace::{YarnTracer, trace_yarn};
+pub use trace::{YarnTracer, trace_shard, trace_yarn};
 pub use watch::Watch;
-pub use yarn_sums::{YarnBatch, YarnSums};

@@ -265,18 +265,18 @@ fn trace_keeps_what_it_says() {
     assert_eq!((yarn.batches, yarn.layout.wavelengths()), (4, 5));
     assert_eq!(yarn.energy.len(), 5 * 144);
     // Tilt, azimuth to 180°, exit cell, wavelength; direction, azimuth, z with overflow, exit cell, wavelength.
-    assert_eq!(yarn.direct.mean.len(), 4 * 6 * 32 * 5);
+    assert_eq!(yarn.tables.direct.mean.len(), 4 * 6 * 32 * 5);
     assert_eq!(yarn.layout.bssrdf_shape, [36, 20, 10, 8, 5]);
     // The bins of path length add to f*, in single precision.
-    for (cell, bins) in yarn.by_length.mean.chunks(BINS * 5).enumerate() {
-        for (wavelength, f) in yarn.direct.mean[cell * 5..][..5].iter().enumerate() {
+    for (cell, bins) in yarn.tables.by_length.mean.chunks(BINS * 5).enumerate() {
+        for (wavelength, f) in yarn.tables.direct.mean[cell * 5..][..5].iter().enumerate() {
             let sum: f32 = bins.iter().skip(wavelength).step_by(5).sum();
             approx::assert_relative_eq!(f64::from(sum), *f, max_relative = 1e-5);
         }
     }
     // Of all incident light as much leaves by path length as the ledger says.
     let row = yarn.energy.iter().find(|row| row.wavelength_nm == 600.0).unwrap();
-    let first = &yarn.energy_by_length.mean[3 * BINS * 4..][..BINS * 4];
+    let first = &yarn.tables.energy_by_length.mean[3 * BINS * 4..][..BINS * 4];
     for (part, expected) in [(0, row[Fraction::Ballistic].value), (1, row[Fraction::Scattered].value)] {
         let sum: f64 = first.iter().skip(part).step_by(4).sum();
         approx::assert_relative_eq!(sum, expected, max_relative = 1e-12);
