@@ -1,0 +1,48 @@
+//! What light between the yarns does to the model's row of Table 1, traced for it.
+
+use super::light::{LightBetween, lit_views};
+use super::readings::NORMAL;
+use super::{CameraBatch, Plan, RunError, SpectralCurves};
+use crate::compare::ColourRatios;
+use crate::yarn::{DirectTracer, Effort, YarnResponse};
+
+/// Share of the study's paths and particles, and their batches.
+const SHARE: u64 = 4;
+const BATCHES: usize = 8;
+
+/// Traces the ratios of the model with direct light alone, and with all light between the yarns. After `traced` batches, fewer than
+/// the study has, there are fewer paths here too.
+///
+/// # Errors
+/// None for a study that a plan was made of.
+pub fn light_orders(plan: &Plan, traced: usize) -> Result<[ColourRatios; 2], RunError> {
+    let batches = BATCHES.min(plan.direct_effort.batches);
+    let study = &plan.study.trace;
+    let scaled = |paths: u64| {
+        let paths = paths / SHARE * traced.min(plan.direct_effort.batches) as u64;
+        (paths / plan.direct_effort.batches as u64).max(batches as u64)
+    };
+    let effort = Effort::new(plan.study.seed, batches, scaled(study.paths_direct))?;
+    let tracers = plan
+        .different_yarns()
+        .map(|yarn| DirectTracer::new(yarn, plan.factor_grid, effort, None))
+        .collect::<Result<Vec<_>, _>>()?;
+    let particles = scaled(study.particles).div_ceil(batches as u64) as usize;
+    let between = LightBetween::new(plan, usize::MAX, particles)?;
+    let lit = lit_views(plan, &[NORMAL]);
+    let [mut direct, mut all] = [Vec::new(), Vec::new()];
+    for batch in 0..batches {
+        let responses: Vec<YarnResponse> = tracers.iter().map(|tracer| tracer.batch(batch).response).collect();
+        let sunlit = CameraBatch::trace(plan, &[NORMAL], batch).shade(&responses);
+        let mut whole = sunlit.clone();
+        for of in between.brightness(&responses, &lit, batch)? {
+            for (sum, beta) in whole.iter_mut().flatten().zip(of.beta.iter().flatten()) {
+                *sum += beta;
+            }
+        }
+        direct.push(sunlit);
+        all.push(whole);
+    }
+    let ratios = |diffuse| SpectralCurves::new(plan, vec![NORMAL], diffuse).diffuse_ratios(&plan.colour, 0);
+    Ok([ratios(direct)?, ratios(all)?])
+}
