@@ -3,8 +3,9 @@ use super::notice::RunNotice;
 use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, inputs_of, recorded_command, study};
 use specval::formats::Scatter;
 use specval::output::ReportFolder;
-use specval::report::{Notice, ReportData, file_names, read_result, render, report_json, summary};
-use specval::run::{self, Simulator, Stage, StateFile, Watch};
+use specval::report::{Notice, Outline, ReportData, file_names, read_result, render, report_json, summary};
+use specval::run::{self, Request, Simulator, Stage, StateFile, Sweep, Watch};
+use specval::shading::DEFAULT_MODELS;
 use specval::study::Study;
 use std::path::{Path, PathBuf};
 
@@ -85,10 +86,10 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     // Refused before the simulation; the report tells what is only doubtful.
     plan.colour_notices()?;
     let geometries = run::report_geometries(&plan);
-    let names = file_names(
-        incidences(geometries.iter().map(|geometry| geometry.theta_i_deg)),
-        arguments.approximations,
-    );
+    let names = file_names(&Outline {
+        incidences: incidences(geometries.iter().map(|geometry| geometry.theta_i_deg)),
+        approximations: arguments.approximations,
+    });
     if arguments.approximations {
         run::check_approximations(&plan.study)?;
     }
@@ -100,8 +101,15 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let state = StateFile::new(Some(folder.path().join(ReportFolder::STATE)), "report", &plan)?;
     let simulation = stopping.simulate(&simulator, watch, &state, &rule, terminal)?;
     let measuring = terminal.progress("measuring and sweeping");
-    let command = recorded_command(std::env::args_os());
-    let mut data = run::report(&plan, &simulation, command, notices, &|share| measuring.advance(share))?;
+    let batches = simulation.effort.batches;
+    let sweep = Sweep::trace(&plan, batches, &|share| measuring.advance(share))?;
+    let orders = run::light_orders(&plan, batches)?;
+    let request = Request {
+        classical: DEFAULT_MODELS,
+        command: recorded_command(std::env::args_os()),
+        notices,
+    };
+    let mut data = run::report(&plan, &simulation, &sweep, &orders, request)?;
     measuring.finish();
     if arguments.approximations {
         let comparing = terminal.progress("comparing approximations");
@@ -121,8 +129,10 @@ fn again(result: &Path, arguments: &Arguments, options: &Options, terminal: &Ter
         }
     }
     let data = read_result(result)?;
-    let incidences = incidences(data.curves.iter().map(|point| point.theta_i_deg));
-    let names = file_names(incidences, data.approximations.is_some());
+    let names = file_names(&Outline {
+        incidences: incidences(data.curves.iter().map(|point| point.theta_i_deg)),
+        approximations: data.approximations.is_some(),
+    });
     // The folder that the result lies in is drawn anew: its own files may be replaced, the result by itself.
     let folder = ReportFolder::prepare(&arguments.out, &names, &[], arguments.replace.force)?;
     write(&data, &folder, terminal)?;

@@ -1,7 +1,5 @@
-use super::{
-    Convention, EffortNote, InputDigest, Provenance, ReadingCount, ReportData, ReportError, SampleNote, Table1Row,
-};
-use crate::compare::{Estimate, HueComparison, Peak, Rmse, RmseRatio, SourceId};
+use super::{Convention, EffortNote, InputDigest, Provenance, ReadingCount, ReportData, ReportError, SampleNote};
+use crate::compare::{Estimate, HueComparison, Peak, Rmse, RmseRatio, SourceId, Table1Row};
 use serde::{Serialize, Serializer};
 
 /// `report.json`: metrics and provenance. Curves and energy have tables of their own.

@@ -2,10 +2,10 @@
 
 use super::{Approximations, EnergyRow, Fallback, Notice};
 use crate::compare::{
-    Coefficient, ColourRatios, CurvePoint, Estimate, Geometry, HueComparison, Peak, Rmse, RmseRatio, Role, Source,
-    SourceId,
+    Coefficient, CurvePoint, Geometry, HueComparison, Peak, Rmse, RmseRatio, Role, Source, SourceId, Table1Row,
+    first_sample, is_first_sample,
 };
-use crate::compare::{first_sample, is_first_sample};
+use crate::sample::{Kind, Sample, Uncertainty};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -51,67 +51,6 @@ impl ReportData {
     pub fn sample(&self, id: &SourceId) -> Option<&SampleNote> {
         self.samples.iter().find(|sample| sample.id == *id)
     }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Table1Name {
-    Published,
-    Measured,
-    Model,
-    ModelLow,
-    ModelHigh,
-    /// The model without light between the yarns, and with all of it.
-    ModelDirect,
-    ModelAllBounces,
-}
-
-/// Ratios of linear RGB at normal illumination and view; `None` where there is no such value, or none that is known: no light was
-/// hit, or one batch too few.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Table1Row {
-    pub row: Table1Name,
-    pub blue_over_red: Option<f64>,
-    pub blue_over_red_se: Option<f64>,
-    pub green_over_red: Option<f64>,
-    pub green_over_red_se: Option<f64>,
-}
-
-impl Table1Row {
-    /// Ratios with their standard errors, of those that are known; none where red is as good as 0.
-    pub fn estimated(row: Table1Name, ratios: &ColourRatios) -> Self {
-        let known = |ratio: &Estimate| {
-            let value = Some(ratio.value).filter(|value| value.is_finite() && !ratios.red_is_zero);
-            [value, value.and_then(|value| known_error(value, ratio.se))]
-        };
-        let [blue_over_red, blue_over_red_se] = known(&ratios.blue_over_red);
-        let [green_over_red, green_over_red_se] = known(&ratios.green_over_red);
-        Self {
-            row,
-            blue_over_red,
-            blue_over_red_se,
-            green_over_red,
-            green_over_red_se,
-        }
-    }
-
-    /// Ratios that come without an error.
-    pub fn bare(row: Table1Name, blue_over_red: f64, green_over_red: f64) -> Self {
-        Self {
-            row,
-            blue_over_red: Some(blue_over_red),
-            blue_over_red_se: None,
-            green_over_red: Some(green_over_red),
-            green_over_red_se: None,
-        }
-    }
-}
-
-/// The standard error of a value, if there is one: neither undefined nor the rounding of batches that are all equal.
-pub(super) fn known_error(value: f64, se: f64) -> Option<f64> {
-    /// Rounding of a mean and its spread, relative.
-    const ROUNDING: f64 = 1e-12;
-    (se.is_finite() && se > ROUNDING * value.abs()).then_some(se)
 }
 
 /// Table 1 under one colour convention.
@@ -171,6 +110,38 @@ pub struct SampleNote {
     pub uncertainty_stated: bool,
     /// What name and kind do not say: its standard uncertainty, its RGB space.
     pub caption: String,
+}
+
+impl SampleNote {
+    pub fn of(id: SourceId, sample: &Sample) -> Self {
+        let of = sample.description();
+        let kind = match of.kind {
+            Some(Kind::Measured) => "measured",
+            Some(Kind::Fit) => "fit of a measurement",
+            Some(Kind::Synthetic) => "synthetic",
+            None => "not stated",
+        };
+        let uncertainty = match sample.uncertainty() {
+            Uncertainty::Columns => "standard errors from its own columns".to_owned(),
+            Uncertainty::Relative(share) => format!("{:.3} % standard uncertainty", share * 100.0).replace(".000", ""),
+            Uncertainty::NotStated => "uncertainty not stated".to_owned(),
+        };
+        let colour = of.colour.as_deref().map(|words| format!("; {words}"));
+        Self {
+            id,
+            name: of.name.clone(),
+            kind: kind.into(),
+            source: of.source.clone(),
+            licence: of.licence.clone(),
+            uncertainty_stated: sample.uncertainty() != Uncertainty::NotStated,
+            caption: format!("{uncertainty}{}", colour.unwrap_or_default()),
+        }
+    }
+
+    /// As legends name the one sample of a report.
+    pub fn label(&self) -> String {
+        format!("measured ({})", self.kind)
+    }
 }
 
 /// SHA-256 of one input.

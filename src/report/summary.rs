@@ -1,6 +1,6 @@
 use super::tables::{channel_name, elsewhere, place, rounded, with_error, words_of};
-use super::{EffortNote, ReportData, Table1Name, ledger_table};
-use crate::compare::{Channel, Rmse, RmseRatio, Role, Source, SourceId, Verdict};
+use super::{EffortNote, ReportData, ledger_table};
+use crate::compare::{Channel, Rmse, RmseRatio, Role, Source, SourceId, Table1Name, Verdict};
 use std::fmt::Write;
 
 /// What the terminal shows after a report: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every
@@ -131,18 +131,16 @@ fn table1(text: &mut String, data: &ReportData) {
         "Table 1", "BLUE/RED", "se", "GREEN/RED", "se", data.colour_convention
     );
     for row in &data.table1 {
-        let measured = match elsewhere(data) {
-            Some(at) => format!("measured, {}", place(&at)),
-            None => "measured".to_owned(),
-        };
-        let name = match row.row {
-            Table1Name::Published => "published",
-            Table1Name::Measured => measured.as_str(),
-            Table1Name::Model => "model",
-            Table1Name::ModelLow => "model low",
-            Table1Name::ModelHigh => "model high",
-            Table1Name::ModelDirect => "model, direct light",
-            Table1Name::ModelAllBounces => "model, all bounces",
+        let name = match &row.row {
+            Table1Name::Published => "published".to_owned(),
+            Table1Name::Source(id) => match elsewhere(data).filter(|_| id.as_str() == Role::Measured.id()) {
+                Some(at) => format!("{id}, {}", place(&at)),
+                None => id.to_string(),
+            },
+            Table1Name::ModelLow => "model low".to_owned(),
+            Table1Name::ModelHigh => "model high".to_owned(),
+            Table1Name::ModelDirect => "model, direct light".to_owned(),
+            Table1Name::ModelAllBounces => "model, all bounces".to_owned(),
         };
         let show = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), rounded);
         let _ = writeln!(

@@ -5,7 +5,7 @@ use crate::compare::{Channel, Channels};
 use crate::report::{ApproximationRow, Approximations, LocalityRow};
 use crate::rig::Geometry;
 use crate::sample::Reading;
-use crate::shading::{Classical, ShadingModel};
+use crate::shading::{Basis, DEFAULT_MODELS, classical_model};
 use crate::study::{Bounces, MethodChoice, Study, StudyError};
 use crate::transport::Estimate;
 use crate::yarn::{Yarn, scattered_beyond};
@@ -63,8 +63,14 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Approximations,
     let white = channels(&plan.colour, &vec![1.0; plan.grid.len()]);
     let normal = geometries.iter().position(|g| *g == Geometry::NORMAL);
     let normal = normal.and_then(|normal| readings[normal].as_ref());
+    let preprint = classical_model(DEFAULT_MODELS[0])?;
     let classical = normal
-        .map(|reading| Classical::new(reading.beta, plan.specular))
+        .map(|reading| {
+            preprint.of(&Basis {
+                normal: reading.beta,
+                specular: plan.specular,
+            })
+        })
         .transpose()?;
     let mut rows = Vec::new();
     let mut incidences: Vec<f64> = geometries.iter().map(|g| g.theta_i_deg).collect();

@@ -1,6 +1,6 @@
 use super::Plan;
 use crate::colour::ColourSystem;
-use crate::compare::{Channels, Geometry};
+use crate::compare::{Channels, ColourRatios, CompareError, Geometry, model_colour_ratios};
 use crate::geometry::Vec3;
 use crate::rig::{omega_in, omega_out};
 use crate::transport::Estimate;
@@ -43,6 +43,15 @@ impl SpectralCurves {
                     .collect()
             })
             .collect()
+    }
+
+    /// Ratios of the diffuse part at a geometry, such as those of Table 1.
+    ///
+    /// # Errors
+    /// Fewer than two batches, or values that are not finite.
+    pub fn diffuse_ratios(&self, colour: &ColourSystem, geometry: usize) -> Result<ColourRatios, CompareError> {
+        let batches = self.diffuse.iter().map(|batch| channels(colour, &batch[geometry]));
+        model_colour_ratios(&batches.collect::<Vec<_>>())
     }
 
     /// Mean and standard error of the total β at a geometry and wavelength.

@@ -1,9 +1,12 @@
-//! What makes the numbers of a study doubtful, before or after it is run.
+//! What makes the numbers of a study doubtful, before or after it is run, and what is done otherwise than it asks.
 
 use super::{Plan, RunError, Stage};
-use crate::report::Notice;
+use crate::compare::{ColourRatios, Comparison, HueComparison};
+use crate::report::{Fallback, Notice};
+use crate::rig::Geometry;
 use crate::spectrum::plausibility;
-use crate::study::{Study, StudyError};
+use crate::study::{MethodChoice, Study, StudyError};
+use crate::yarn::Yarn;
 
 impl Plan {
     /// What makes numbers of this study doubtful whatever is done with them, for the user.
@@ -57,4 +60,59 @@ pub fn study_notices(study: &Study) -> Vec<Notice> {
     };
     notices.extend(media.into_iter().filter_map(doubtful));
     notices
+}
+
+/// What is done in another way than the study asks, as far as that is known before the comparison.
+pub(super) fn study_fallbacks(plan: &Plan, geometries: &[Geometry]) -> Vec<Fallback> {
+    let mut fallbacks = Vec::new();
+    if geometries.len() > 1 && geometries.iter().position(|g| *g == Geometry::NORMAL) == Some(geometries.len() - 1) {
+        fallbacks.push(Fallback::NormalAdded);
+    }
+    let other_estimator = |yarn: &Yarn| yarn.estimator_in_use() != yarn.estimator;
+    if plan.different_yarns().any(other_estimator) {
+        fallbacks.push(Fallback::IndependentEstimator);
+    }
+    let cloth = &plan.study.cloth;
+    if cloth.method == MethodChoice::RadianceFactor
+        && (cloth.warp_flattening != 1.0 || cloth.weft_flattening != 1.0 || cloth.radius_variation > 0.0)
+    {
+        fallbacks.push(Fallback::RoundYarnResponse);
+    }
+    if plan.study.specular.surface.is_of_yarns() {
+        fallbacks.push(Fallback::YarnsShine);
+    }
+    fallbacks
+}
+
+/// What differs from the preprint's normalisation; nothing at normal incidence and view.
+pub(super) fn of_reference(comparison: &Comparison) -> Option<Fallback> {
+    if comparison.normalisation.is_empty() {
+        return Some(Fallback::NotNormalised);
+    }
+    let at = comparison.references.first().copied();
+    at.filter(|at| *at != Geometry::NORMAL)
+        .map(|at| Fallback::OtherReference { at })
+}
+
+/// That model and sample plainly differ in hue.
+pub(super) fn another_cloth(hue: &HueComparison) -> Option<Notice> {
+    hue.plainly_different.then_some(Notice::AnotherCloth {
+        model_hue_deg: hue.model_hue_deg,
+        measured_hue_deg: hue.measured_hue_deg,
+        model_chroma: hue.model_chroma.value,
+        measured_chroma: hue.measured_chroma.value,
+    })
+}
+
+/// What it would take to know BLUE/RED of the model well, where it is not, after so many `paths` a tilt.
+pub(super) fn more_paths(paths: usize, ratios: &ColourRatios) -> Option<Notice> {
+    /// Relative standard error at which a ratio tells cloths apart.
+    const WELL: f64 = 0.05;
+    let relative_se = ratios.blue_over_red.se / ratios.blue_over_red.value.abs();
+    let times = (relative_se / WELL).powi(2);
+    (!ratios.red_is_zero && relative_se.is_finite() && times > 1.0).then_some(Notice::MorePaths {
+        relative_se,
+        times,
+        paths,
+    })
 }

@@ -235,7 +235,13 @@ fn a_report_is_the_same_bytes_every_time_and_lands_whole() {
     assert_eq!(files, render(&data).unwrap());
     let scratch = tempfile::tempdir().unwrap();
     let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
-    assert_eq!(names, file_names(3, false));
+    assert_eq!(
+        names,
+        file_names(&Outline {
+            incidences: 3,
+            approximations: false
+        })
+    );
     let folder = ReportFolder::prepare(&scratch.path().join("deep/er"), &names, &[], false).unwrap();
     for _ in 0..2 {
         folder.write(&files).unwrap();

@@ -1,57 +1,65 @@
-//! The drawing of one graph: R in a large panel, G and B beside it on their own ordinates.
+//! Graphs of β over the signed view angle, one an incidence: R in a large panel, G and B beside it on their own ordinates.
 
-use super::ReportData;
-use super::tables::{channel_name, with_error, words_of};
+use super::canvas::{
+    Area, CAPTION_LINE, DrawingError, Drawn, MARGIN, PANEL_PX, PlotArea, SCALE, TEXT_PX, TICK_PX, TITLE_PX, at,
+    chart_font, key_points, minus, text, tick_decimals, wrap,
+};
+use super::picture::{Chart, Drawing, files, png, svg};
 use crate::compare::{Channel, CurvePoint, Role, Source, SourceId};
-use plotters::coord::Shift;
-use plotters::coord::ranged1d::BoldPoints;
-use plotters::coord::types::RangedCoordf64;
+use crate::report::error::ReportError;
+use crate::report::result::ReportData;
+use crate::report::tables::{channel_name, with_error, words_of};
 use plotters::prelude::*;
-use plotters::style::register_font;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
-use std::sync::Once;
 
-/// DejaVu Sans measures the text; where a viewer of the SVG lacks it, Verdana has the same widths.
-const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
-static REGISTER: Once = Once::new();
+/// Models and samples at each incidence, then the classical models beside them.
+pub(super) const CHART: Chart = Chart {
+    names: |outline| (1..=2 * outline.incidences).map(name).collect(),
+    files: |data| files(&graphs(data)),
+};
 
-/// Name of the font of the graphs, which plotters draws with once this was called: the system needs none.
-pub fn chart_font() -> &'static str {
-    REGISTER.call_once(|| {
-        // The embedded file is a valid font; were it not, drawing text would return the error.
-        drop(register_font(
-            FONT,
-            FontStyle::Normal,
-            include_bytes!("font/DejaVuSans.ttf"),
-        ))
-    });
-    FONT
+fn name(number: usize) -> String {
+    format!("graph{number}")
 }
 
-/// Lengths below are in px of a 1600 by 1000 graph and drawn twice as large.
-const SCALE: i32 = 2;
-const MARGIN: i32 = 24;
-const CAPTION_LINE: i32 = 24;
-const TITLE_PX: i32 = 32;
-const PANEL_PX: i32 = 24;
-const TEXT_PX: i32 = 20;
-const TICK_PX: i32 = 19;
-
-/// What one graph shows.
+/// One of graphs 1, 2, 3… (models and samples, one an incidence) and the following ones (the classical models beside
+/// them), numbered as in the preprint for its three incidences.
 #[derive(Debug)]
-pub(super) struct Figure<'a> {
-    pub number: usize,
-    pub theta_i_deg: f64,
+pub struct Graph<'a> {
+    number: usize,
+    theta_i_deg: f64,
     /// Roles of the sources that it shows, in the order in which they are drawn and named.
-    pub roles: &'static [Role],
-    pub data: &'a ReportData,
+    roles: &'static [Role],
+    data: &'a ReportData,
 }
 
-type DrawingError<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
-type Drawn<DB> = Result<(), DrawingError<DB>>;
-type Area<DB> = DrawingArea<DB, Shift>;
-type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+/// Every graph of the result, in order; two for each incidence that has a curve. Where the geometries are the sample's own, an
+/// incidence that it was not measured at, added for Table 1, has none.
+pub fn graphs(data: &ReportData) -> Vec<Graph<'_>> {
+    let sampled = data.readings.geometries_of_sample;
+    let shown = data
+        .curves
+        .iter()
+        .filter(|point| !sampled || data.sample(&point.source).is_some());
+    let mut incidences: Vec<f64> = shown.map(|point| point.theta_i_deg).collect();
+    incidences.sort_by(f64::total_cmp);
+    incidences.dedup();
+    let sets: [&'static [Role]; 2] = [
+        &[Role::Model, Role::Measured],
+        &[Role::Model, Role::Measured, Role::Classical],
+    ];
+    sets.iter()
+        .flat_map(|&roles| incidences.iter().map(move |&theta_i_deg| (roles, theta_i_deg)))
+        .enumerate()
+        .map(|(index, (roles, theta_i_deg))| Graph {
+            number: index + 1,
+            theta_i_deg,
+            roles,
+            data,
+        })
+        .collect()
+}
 
 /// How a source is told apart, in colour and in grey.
 #[derive(Clone, Copy)]
@@ -93,7 +101,22 @@ fn finite(se: f64) -> f64 {
     if se.is_finite() { se } else { 0.0 }
 }
 
-impl Figure<'_> {
+impl Graph<'_> {
+    /// 1 for the first.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
+    /// The graph as an SVG document of 1600 by 1000 px; it loads nothing.
+    pub fn svg(&self) -> Result<String, ReportError> {
+        svg(self)
+    }
+
+    /// The graph as a PNG of 1600 by 1000 px, 8-bit RGB.
+    pub fn png(&self) -> Result<Vec<u8>, ReportError> {
+        png(self)
+    }
+
     /// One curve in order of view angle; points that are not numbers are left out.
     fn curve(&self, source: &Source, channel: Channel) -> Vec<&CurvePoint> {
         let mut points: Vec<_> = self
@@ -222,36 +245,41 @@ impl Figure<'_> {
     }
 }
 
-/// Draws the whole graph.
-pub(super) fn draw<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure) -> Drawn<DB> {
-    chart_font();
-    root.fill(&WHITE)?;
-    let (width, height) = root.dim_in_pixel();
-    let (width, height) = (width as i32 / SCALE, height as i32 / SCALE);
-
-    root.draw_text(&figure.title(), &text(TITLE_PX), at(MARGIN, 16))?;
-    let top = draw_legend(root, figure, width)?;
-
-    let mut lines = Vec::new();
-    for sentence in figure.caption() {
-        wrap(root, &sentence, width - 2 * MARGIN, &mut lines)?;
-    }
-    let bottom = height - 12 - CAPTION_LINE * lines.len() as i32;
-    for (index, line) in lines.iter().enumerate() {
-        let y = bottom + CAPTION_LINE * index as i32;
-        root.draw_text(line, &text(TICK_PX), at(MARGIN, y))?;
+impl Drawing for Graph<'_> {
+    fn name(&self) -> String {
+        name(self.number)
     }
 
-    let bottom = bottom - 8;
-    let middle = top + (bottom - top) / 2;
-    let split = width * 6 / 10;
-    draw_panel(root, figure, Channel::R, (0..split, top..bottom))?;
-    draw_panel(root, figure, Channel::G, (split..width, top..middle))?;
-    draw_panel(root, figure, Channel::B, (split..width, middle..bottom))
+    fn draw<DB: DrawingBackend>(&self, root: &Area<DB>) -> Drawn<DB> {
+        chart_font();
+        root.fill(&WHITE)?;
+        let (width, height) = root.dim_in_pixel();
+        let (width, height) = (width as i32 / SCALE, height as i32 / SCALE);
+
+        root.draw_text(&self.title(), &text(TITLE_PX), at(MARGIN, 16))?;
+        let top = draw_legend(root, self, width)?;
+
+        let mut lines = Vec::new();
+        for sentence in self.caption() {
+            wrap(root, &sentence, width - 2 * MARGIN, &mut lines)?;
+        }
+        let bottom = height - 12 - CAPTION_LINE * lines.len() as i32;
+        for (index, line) in lines.iter().enumerate() {
+            let y = bottom + CAPTION_LINE * index as i32;
+            root.draw_text(line, &text(TICK_PX), at(MARGIN, y))?;
+        }
+
+        let bottom = bottom - 8;
+        let middle = top + (bottom - top) / 2;
+        let split = width * 6 / 10;
+        draw_panel(root, self, Channel::R, (0..split, top..bottom))?;
+        draw_panel(root, self, Channel::G, (split..width, top..middle))?;
+        draw_panel(root, self, Channel::B, (split..width, middle..bottom))
+    }
 }
 
 /// Lines, bands and what the bands are, in as many rows as it takes; gives the ordinate below them.
-fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure, width: i32) -> Result<i32, DrawingError<DB>> {
+fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, graph: &Graph, width: i32) -> Result<i32, DrawingError<DB>> {
     const SAMPLE: i32 = 64;
     const ROW: i32 = 30;
     let (mut x, mut y) = (MARGIN, 64);
@@ -265,7 +293,7 @@ fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure, width: i32)
         x += needed;
         Ok(here)
     };
-    for (source, look) in figure.present() {
+    for (source, look) in graph.present() {
         let (x, y) = place(&source.label, SAMPLE + 10)?;
         let band = look.colour.mix(look.band_opacity).filled();
         root.draw(&Rectangle::new([at(x, y), at(x + SAMPLE, y + 20)], band))?;
@@ -290,13 +318,13 @@ fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure, width: i32)
 
 fn draw_panel<DB: DrawingBackend>(
     root: &Area<DB>,
-    figure: &Figure,
+    graph: &Graph,
     channel: Channel,
     (columns, rows): (Range<i32>, Range<i32>),
 ) -> Drawn<DB> {
     let size = (columns.end - columns.start, rows.end - rows.start);
     let area = root.clone().shrink(at(columns.start, rows.start), at(size.0, size.1));
-    let (views, ordinates) = (figure.view_range(), figure.ordinate_range(channel));
+    let (views, ordinates) = (graph.view_range(), graph.ordinate_range(channel));
     let ticks = (size.1 / 45).max(3) as usize;
     let decimals = tick_decimals(&ordinates, ticks);
     let label = |beta: &f64| minus(format!("{beta:.decimals$}"));
@@ -329,15 +357,15 @@ fn draw_panel<DB: DrawingBackend>(
         .set_all_tick_mark_size(5 * SCALE)
         .draw()?;
 
-    draw_directions(&mut chart, figure.theta_i_deg, &views, &ordinates)?;
+    draw_directions(&mut chart, graph.theta_i_deg, &views, &ordinates)?;
     if ordinates.start < 0.0 {
         let zero = [(views.start, 0.0), (views.end, 0.0)];
         chart.draw_series([PathElement::new(zero, BLACK.stroke_width(SCALE as u32))])?;
     }
 
-    let curves: Vec<_> = figure
+    let curves: Vec<_> = graph
         .sources()
-        .map(|(source, look)| (figure.curve(source, channel), look))
+        .map(|(source, look)| (graph.curve(source, channel), look))
         .collect();
     // No band may hide a line.
     for (points, look) in &curves {
@@ -357,7 +385,7 @@ fn draw_panel<DB: DrawingBackend>(
 
 /// Where the light comes from and where a mirror would send it.
 fn draw_directions<DB: DrawingBackend>(
-    chart: &mut Chart<DB>,
+    chart: &mut PlotArea<DB>,
     theta_i_deg: f64,
     views: &Range<f64>,
     ordinates: &Range<f64>,
@@ -398,7 +426,7 @@ fn strokes(points: &[&CurvePoint]) -> Vec<(f64, f64, f64)> {
     }
 }
 
-fn draw_band<DB: DrawingBackend>(chart: &mut Chart<DB>, points: &[&CurvePoint], look: Look) -> Drawn<DB> {
+fn draw_band<DB: DrawingBackend>(chart: &mut PlotArea<DB>, points: &[&CurvePoint], look: Look) -> Drawn<DB> {
     let strokes = strokes(points);
     if strokes.is_empty() || strokes.iter().any(|(_, _, se)| !se.is_finite()) {
         return Ok(());
@@ -412,7 +440,7 @@ fn draw_band<DB: DrawingBackend>(chart: &mut Chart<DB>, points: &[&CurvePoint], 
     Ok(())
 }
 
-fn draw_line<DB: DrawingBackend>(chart: &mut Chart<DB>, points: &[&CurvePoint], look: Look) -> Drawn<DB> {
+fn draw_line<DB: DrawingBackend>(chart: &mut PlotArea<DB>, points: &[&CurvePoint], look: Look) -> Drawn<DB> {
     let line: Vec<_> = strokes(points).iter().map(|(angle, beta, _)| (*angle, *beta)).collect();
     match look.dash {
         None => chart.draw_series([PathElement::new(line, stroke(look))])?,
@@ -423,59 +451,6 @@ fn draw_line<DB: DrawingBackend>(chart: &mut Chart<DB>, points: &[&CurvePoint], 
     Ok(())
 }
 
-fn at(x: i32, y: i32) -> (i32, i32) {
-    (x * SCALE, y * SCALE)
-}
-
-fn text(px: i32) -> TextStyle<'static> {
-    TextStyle::from((FONT, px * SCALE)).color(&BLACK)
-}
-
 fn stroke(look: Look) -> ShapeStyle {
     look.colour.stroke_width((look.width * SCALE) as u32)
-}
-
-/// Typographic minus, as wide as a plus.
-fn minus(number: String) -> String {
-    number.replace('-', "−")
-}
-
-/// Where the ticks of an axis stand.
-fn key_points(ordinates: &Range<f64>, ticks: usize) -> Vec<f64> {
-    RangedCoordf64::from(ordinates.clone()).key_points(BoldPoints(ticks))
-}
-
-/// The fewest decimals that print every tick exactly.
-fn tick_decimals(ordinates: &Range<f64>, ticks: usize) -> usize {
-    let span = ordinates.end - ordinates.start;
-    let points = key_points(ordinates, ticks);
-    let exact = |decimals: &usize| {
-        let unit = 10.0_f64.powi(*decimals as i32);
-        points
-            .iter()
-            .all(|tick| ((tick * unit).round() / unit - tick).abs() < 1e-6 * span)
-    };
-    (0..12).find(exact).unwrap_or(12)
-}
-
-/// Breaks a text at spaces into lines no wider than `width` px.
-fn wrap<DB: DrawingBackend>(root: &Area<DB>, sentence: &str, width: i32, lines: &mut Vec<String>) -> Drawn<DB> {
-    let style = text(TICK_PX);
-    let mut line = String::new();
-    for word in sentence.split_whitespace() {
-        let longer = if line.is_empty() {
-            word.to_owned()
-        } else {
-            format!("{line} {word}")
-        };
-        if !line.is_empty() && root.estimate_text_size(&longer, &style)?.0 as i32 > width * SCALE {
-            lines.push(std::mem::replace(&mut line, word.to_owned()));
-        } else {
-            line = longer;
-        }
-    }
-    if !line.is_empty() {
-        lines.push(line);
-    }
-    Ok(())
 }

@@ -1,0 +1,82 @@
+//! Table 1 of a report, and what has to be said of it.
+
+use super::{Plan, RunError, Sweep};
+use crate::compare::{ColourRatios, Comparison, RatioRanges, Role, Table1, Table1Row, Table1Source};
+use crate::report::{Notice, RatioOf, TableRatio};
+use crate::sample::{PublishedRatios, Uncertainty, published_ratios};
+use crate::study::MediumSection;
+
+/// The rows; `model` are the ratios at the study's own parameters.
+pub(super) fn rows(
+    plan: &Plan,
+    model: &ColourRatios,
+    sweep: &Sweep,
+    orders: &[ColourRatios; 2],
+    comparison: &Comparison,
+    notices: &mut Vec<Notice>,
+) -> Result<Vec<Table1Row>, RunError> {
+    // The preprint's own ratios say nothing of a cloth of another dye.
+    let is_preprint = plan.study.medium.dye == MediumSection::default().dye;
+    let published = is_preprint.then(published_ratios).transpose()?;
+    let measured = comparison
+        .colour_ratios
+        .iter()
+        .filter(|ratios| ratios.source == ratios.sample);
+    let mut sources: Vec<Table1Source> = measured
+        .map(|of| Table1Source {
+            id: of.source.clone(),
+            ratios: &of.ratios,
+            errors_stated: plan.sample.uncertainty() != Uncertainty::NotStated,
+        })
+        .collect();
+    notices.push(Notice::Sweep {
+        media: sweep.ratios.len(),
+        paths: sweep.paths,
+        batches: sweep.batches,
+    });
+    notices.extend(sources.iter().filter_map(|of| no_ratio(RatioOf::Sample, of.ratios)));
+    notices.extend(no_ratio(RatioOf::Model, model));
+    sources.push(Table1Source {
+        id: Role::Model.id().into(),
+        ratios: model,
+        errors_stated: true,
+    });
+    let media = || std::iter::once(model).chain(&sweep.ratios);
+    let without = media().filter(|ratios| ratios.red_is_zero).count();
+    if without > 0 {
+        notices.push(Notice::MediaWithoutRatio {
+            without,
+            media: media().count(),
+        });
+    }
+    let range = RatioRanges::of(media());
+    if let (Some(range), Some(PublishedRatios { model, .. })) = (&range, published) {
+        let beside = |ratio, range, preprint| Notice::SweepRange { ratio, range, preprint };
+        notices.push(beside(
+            TableRatio::BlueOverRed,
+            range.blue_over_red(),
+            model.blue_over_red,
+        ));
+        notices.push(beside(
+            TableRatio::GreenOverRed,
+            range.green_over_red(),
+            model.green_over_red,
+        ));
+    }
+    let table = Table1 {
+        published,
+        sources,
+        range,
+        orders,
+    };
+    Ok(table.rows())
+}
+
+/// That there is no ratio to red.
+fn no_ratio(of: RatioOf, ratios: &ColourRatios) -> Option<Notice> {
+    ratios.red_is_zero.then_some(Notice::NoRatio {
+        of,
+        red: ratios.red.value,
+        red_se: ratios.red.se,
+    })
+}
