@@ -1,7 +1,7 @@
 //! Keys of older studies: they are still read, and a notice says what to write in their place. Each is a row of [`OLD_KEYS`].
 
 use super::Study;
-use super::fields::{Field, Kind};
+use super::fields::{Field, Kind, closed};
 use crate::text::is_path;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
@@ -19,8 +19,8 @@ pub(super) enum Now {
     Renamed {
         section: &'static str,
         key: &'static str,
-        /// The value as the new key has it.
-        value: fn(&str) -> String,
+        /// A text as the new key has it; other values stay as they are.
+        text: fn(&str) -> String,
     },
     /// Nothing depends on it any more; the reason in words.
     Dropped(&'static str),
@@ -33,7 +33,16 @@ pub(super) const OLD_KEYS: &[OldKey] = &[
         now: Now::Renamed {
             section: "cloth",
             key: "weave",
-            value: as_path,
+            text: as_path,
+        },
+    },
+    OldKey {
+        section: "check",
+        field: field("two_roads", Kind::Number(closed(0.0, 1.0))),
+        now: Now::Renamed {
+            section: "check",
+            key: "two_estimators",
+            text: str::to_owned,
         },
     },
     OldKey {
@@ -84,7 +93,10 @@ impl OldKey {
             study.remove(old_section);
         }
         let (new_section, new_key, value) = match &self.now {
-            Now::Renamed { section, key, value } => (*section, *key, value(old.as_str()?)),
+            Now::Renamed { section, key, text } => {
+                let value = old.as_str().map(|old| toml::Value::from(text(old))).unwrap_or(old);
+                (*section, *key, value)
+            }
             Now::Dropped(why) => {
                 return Some(format!(
                     "`{old_section}.{key}` has no effect any more: {why}; remove it"
@@ -94,27 +106,34 @@ impl OldKey {
         let mut notice = format!(
             "`{old_section}.{key}` is now `{new_section}.{new_key}`: write {new_key} = {} in [{new_section}] in its \
              place",
-            toml::Value::from(value.as_str())
+            value
         );
         let new = study
             .entry(new_section)
             .or_insert_with(|| toml::Value::Table(toml::Table::new()));
-        if let Some(other) = new.as_table_mut()?.insert(new_key.into(), value.into()) {
+        if let Some(other) = new.as_table_mut()?.insert(new_key.into(), value) {
             notice += &format!(", for {other}, which is passed over");
         }
         Some(notice)
     }
 }
 
-/// The study in a file that an earlier version may have written, without the keys that have no effect any more.
+/// The study in a file that an earlier version may have written, with the keys of today.
 ///
 /// # Errors
 /// What is no study.
 pub fn study_of_any_age<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Study, D::Error> {
     let mut study = serde_json::Value::deserialize(deserializer)?;
     for OldKey { section, field, now } in OLD_KEYS {
-        if let (Now::Dropped(_), Some(section)) = (now, study.get_mut(section).and_then(|of| of.as_object_mut())) {
-            section.remove(field.key);
+        let fields = study.get_mut(section).and_then(|of| of.as_object_mut());
+        let Some(old) = fields.and_then(|fields| fields.remove(field.key)) else {
+            continue;
+        };
+        if let Now::Renamed { section, key, text } = now {
+            let value = old.as_str().map(|old| text(old).into()).unwrap_or(old);
+            if let Some(fields) = study.get_mut(section).and_then(|of| of.as_object_mut()) {
+                fields.insert((*key).into(), value);
+            }
         }
     }
     Study::deserialize(study).map_err(D::Error::custom)
@@ -125,10 +144,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_study_in_an_older_file_is_read_without_the_keys_that_have_no_effect() {
+    fn a_study_in_an_older_file_is_read_with_the_keys_of_today() {
         let mut written = serde_json::to_value(Study::default()).unwrap();
         written["cloth"]["segments_around"] = 48.into();
         written["cloth"]["segments_along"] = 24.into();
+        assert_eq!(study_of_any_age(written.clone()).unwrap(), Study::default());
+        let check = written["check"].as_object_mut().unwrap();
+        let tolerance = check.remove("two_estimators").unwrap();
+        check.insert("two_roads".into(), tolerance);
         assert_eq!(study_of_any_age(written.clone()).unwrap(), Study::default());
         written["cloth"]["no_such_key"] = 1.into();
         assert!(study_of_any_age(written).is_err());

@@ -68,7 +68,7 @@ fractions! {
         RouletteNet = "roulette",
         /// Weight that the balance heuristic of shared paths removed less what it added while it weighed a path for
         /// each wavelength, and what single precision rounded off; 0 in the mean, and 0 for paths of one wavelength.
-        MisNet = "sharing",
+        MisNet = "mis_net",
     }
 }
 
@@ -247,7 +247,7 @@ mod tests {
             "residual",
         ];
         assert_eq!(names[..6], fixed);
-        assert_eq!(names[6], "sharing");
+        assert_eq!(names[6], "mis_net");
         assert!(
             Column::ALL
                 .iter()

@@ -105,19 +105,19 @@ fn report_files(study: &str, estimator: &str, threads: &str) -> Vec<(String, Vec
     assert_eq!(energy.len(), 5 * 144);
     for wavelength in energy.chunks(144) {
         let column = |k: usize| -> Vec<f64> { wavelength.iter().map(|row| row[k].parse().unwrap()).collect() };
-        let (residuals, sharing) = (column(13), column(15));
+        let (residuals, mis_net) = (column(13), column(15));
         assert!(residuals.iter().all(|r| r.abs() <= 1e-12), "{residuals:?}");
         if estimator == "independent" {
-            assert!(sharing.iter().all(|s| *s == 0.0), "{sharing:?}");
+            assert!(mis_net.iter().all(|s| *s == 0.0), "{mis_net:?}");
             continue;
         }
         // What the balance takes is 0 in the mean, here over the 36 directions that are traced, of which the
         // others are copies: |t| with 35 degrees of freedom above 4.1 at one of 5 wavelengths, false alarms 0.1 %.
-        let mean = sharing.iter().sum::<f64>() / 144.0;
-        let variance = sharing.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / 144.0 * 36.0 / 35.0;
+        let mean = mis_net.iter().sum::<f64>() / 144.0;
+        let variance = mis_net.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / 144.0 * 36.0 / 35.0;
         assert!(
             variance > 0.0 && mean.abs() <= 4.1 * (variance / 36.0).sqrt(),
-            "{mean} of {sharing:?}"
+            "{mean} of {mis_net:?}"
         );
     }
     assert_eq!(rows(&folder.path().join("out/curves.csv")).len(), 3 * 27 * 3 * 4);

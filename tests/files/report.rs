@@ -30,7 +30,7 @@ fn headers_are_the_fixed_names_and_agree_with_the_rows() {
         (
             energy_csv(&data).unwrap(),
             "wavelength_nm,theta_in_deg,phi_in_deg,reflected,reflected_se,ballistic,ballistic_se,scattered,\
-             scattered_se,absorbed,absorbed_se,roulette,roulette_se,residual,residual_se,sharing,sharing_se",
+             scattered_se,absorbed,absorbed_se,roulette,roulette_se,residual,residual_se,mis_net,mis_net_se",
             2,
             serde_json::to_value(&data.energy[0]).unwrap(),
         ),

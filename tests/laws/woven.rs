@@ -383,7 +383,7 @@ fn both_methods_agree_where_light_stays_near_its_entry() {
         (&bare, YarnSurface::Smooth, 8000),
         (&dyed.yarn, YarnSurface::Lost, 80_000),
     ] {
-        let traced = volumetric(&cloth, &yarn, surface, 0.0, &Nothing, particles);
+        let traced = volumetric(&cloth, yarn, surface, 0.0, &Nothing, particles);
         let scattered = bounces(&cloth, yarn, surface, 0.0, 1_000_000, particles);
         for w in 0..yarn.medium.grid().len() {
             let [a, b] = [&traced, &scattered].map(|batches| estimate(batches, w, |l| l[ClothFraction::Reflected]));

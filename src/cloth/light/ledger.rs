@@ -18,7 +18,7 @@ fractions! {
         BouncesCut = "bounces_cut",
         /// Net weight that random sampling removed: Russian roulette between the yarns, and both nets of their media. 0
         /// in the mean.
-        SamplingNet = "games",
+        SamplingNet = "sampling_net",
     }
 }
 
