@@ -140,8 +140,8 @@ mod tests {
                 .se
                 .is_nan()
         );
-        let short = json.replace(",\"sharing_se\":0.0", "");
+        let short = json.replace(",\"mis_net_se\":0.0", "");
         let error = serde_json::from_str::<EnergyRow>(&short).unwrap_err().to_string();
-        assert!(error.contains("missing field `sharing_se`"), "{error}");
+        assert!(error.contains("missing field `mis_net_se`"), "{error}");
     }
 }
