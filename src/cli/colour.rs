@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         } else {
             String::new()
         };
-        terminal.notice(&format!("{first}{more}"));
+        terminal.notice(format!("{first}{more}"));
     }
     let colours: Vec<NamedColour> = spectra
         .all

@@ -1,4 +1,4 @@
-//! Everything that a result says beside its numbers: as data in the result, in words here alone.
+//! Notices and fallbacks of a result. The result holds them as data; their wording is here alone.
 
 use crate::compare::Geometry;
 use crate::number::{nan_from_null, shown, time_in_words};
@@ -150,7 +150,7 @@ pub enum Fallback {
     IndependentEstimator,
     /// f* of a round yarn in place of that of an elliptical or uneven one.
     RoundYarnResponse,
-    /// Fibres shine in place of a gloss about the cloth's normal.
+    /// The yarns have their own gloss, so the model has none about the cloth's normal.
     YarnsShine,
     /// The sample has ratios alone.
     PublishedRatiosAlone {

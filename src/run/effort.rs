@@ -1,7 +1,7 @@
 use super::{Outcome, Plan, Precision, StopRule};
 use crate::report::{AskedEffort, EffortNote, PathsPerBatch, ReachedPrecision};
 
-/// What a run under this rule did; `watched` is what its largest error is of.
+/// The effort of a run under this stop rule; `watched` is the quantity that its largest error is of.
 pub(super) fn effort_note(plan: &Plan, rule: &StopRule, outcome: &Outcome, watched: Precision) -> EffortNote {
     EffortNote {
         batches: outcome.batches,

@@ -1,9 +1,10 @@
 //! What makes the numbers of a study doubtful, before or after it is run, and what is done otherwise than it asks.
 
-use super::readings::NORMAL;
+use super::readings::{NORMAL, first_incidences};
 use super::{Plan, RunError, Stage};
 use crate::compare::{ColourRatios, Comparison, Geometry, HueComparison};
 use crate::report::{Fallback, Notice};
+use crate::sample::Sample;
 use crate::spectrum::plausibility;
 use crate::study::{MethodChoice, Study, StudyError};
 use crate::yarn::Yarn;
@@ -93,6 +94,18 @@ pub(super) fn of_reference(comparison: &Comparison) -> Option<Fallback> {
     at.filter(|at| *at != NORMAL).map(|at| Fallback::OtherReference { at })
 }
 
+/// Why a sample without a reading at the geometries of a report is not compared.
+pub(super) fn not_compared(sample: &Sample) -> Fallback {
+    let name = sample.name().to_owned();
+    match sample.published_ratios() {
+        Some(_) => Fallback::PublishedRatiosAlone { sample: name },
+        None => Fallback::NothingCompared {
+            sample: name,
+            incidences_deg: first_incidences(sample),
+        },
+    }
+}
+
 /// That model and sample plainly differ in hue.
 pub(super) fn another_cloth(hue: &HueComparison) -> Option<Notice> {
     hue.plainly_different.then_some(Notice::AnotherCloth {
@@ -103,9 +116,9 @@ pub(super) fn another_cloth(hue: &HueComparison) -> Option<Notice> {
     })
 }
 
-/// What it would take to know BLUE/RED of the model well, where it is not, after so many `paths` a tilt.
+/// How many times the `paths` a tilt of this run give BLUE/RED of the model to 5 %, where it is known worse.
 pub(super) fn more_paths(paths: usize, ratios: &ColourRatios) -> Option<Notice> {
-    /// Relative standard error at which a ratio tells cloths apart.
+    /// Relative standard error at which a ratio distinguishes cloths.
     const WELL: f64 = 0.05;
     let relative_se = ratios.blue_over_red.se / ratios.blue_over_red.value.abs();
     let times = (relative_se / WELL).powi(2);
