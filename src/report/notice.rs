@@ -4,6 +4,7 @@ use crate::compare::Geometry;
 use crate::number::{nan_from_null, shown, time_in_words};
 use crate::sample::SampleNotice;
 use crate::spectrum::Doubt;
+use crate::study::OldKey;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 
@@ -56,9 +57,9 @@ pub enum Notice {
     GrazingGain {
         gains: Vec<GrazingGain>,
     },
-    /// An old spelling in the study's file; the words name the new one.
+    /// An old key in the study's file.
     OldKey {
-        words: String,
+        key: OldKey,
     },
     /// A diameter in the section of the study, nm, that looks like micrometres.
     ParticleDiameter {
@@ -193,7 +194,7 @@ impl Display for Notice {
                     gains.iter().map(at).collect::<Vec<_>>().join(", ")
                 )
             }
-            Self::OldKey { words } => f.write_str(words),
+            Self::OldKey { key } => key.fmt(f),
             Self::ParticleDiameter { section, doubt } => write!(f, "`{section}.particle_diameter_nm`: {doubt}"),
             Self::LongPaths { paths } => paths.fmt(f),
             Self::LongRun {

@@ -6,7 +6,7 @@ use crate::compare::{ColourRatios, Comparison, Geometry, HueComparison};
 use crate::report::{Fallback, Notice};
 use crate::sample::Sample;
 use crate::spectrum::plausibility;
-use crate::study::{MethodChoice, Study, StudyError};
+use crate::study::{MethodChoice, OldKey, Study, StudyError};
 use crate::yarn::Yarn;
 
 impl Plan {
@@ -46,8 +46,8 @@ impl Plan {
 
 /// Old spellings of a study's file, and numbers of its media that look like those of another unit.
 pub fn study_notices(study: &Study) -> Vec<Notice> {
-    let old_key = |words: &String| Notice::OldKey { words: words.clone() };
-    let mut notices: Vec<Notice> = study.origin.notices().iter().map(old_key).collect();
+    let old_key = |key: &OldKey| Notice::OldKey { key: key.clone() };
+    let mut notices: Vec<Notice> = study.origin.old_keys().iter().map(old_key).collect();
     let weft = study.weft.medium(&study.medium);
     let mut media = vec![("medium", study.medium.particle_diameter_nm)];
     if weft.particle_diameter_nm != study.medium.particle_diameter_nm {

@@ -91,10 +91,14 @@ pub fn report(
     if place.is_some() {
         fallbacks.extend(of_reference(&comparison));
     }
-    for (sample, _) in std::iter::zip(&samples, &measured).filter(|(_, values)| values.iter().all(Option::is_none)) {
-        fallbacks.push(not_compared(sample));
+    for (sample, values) in std::iter::zip(&samples, &measured) {
+        if values.iter().all(Option::is_none) {
+            fallbacks.push(not_compared(sample));
+        }
     }
-    readings.normalised_at = comparison.normalisation.first().map(|coefficient| coefficient.at);
+    let mut coefficients = comparison.normalisation.iter();
+    let of_first = coefficients.find(|coefficient| coefficient.sample == notes[0].id);
+    readings.normalised_at = of_first.map(|coefficient| coefficient.at);
     notices.extend(hue.as_ref().and_then(another_cloth));
     if comparison.rmse_ratios.iter().any(|ratio| ratio.too_few_paths) {
         notices.push(Notice::VerdictsWithheld);

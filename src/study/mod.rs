@@ -30,6 +30,7 @@ pub use keys::{
     SpecularSection, Study, SweepSection, TraceSection, WeftSection, YarnSection,
 };
 pub use origin::Origin;
+pub use renamed::OldKey;
 
 impl Study {
     /// Reads and validates a study; what the text leaves out keeps its default. `file_name` is what errors call the

@@ -77,9 +77,8 @@ pub(super) fn study(text: &str, file: &str) -> Result<Study, StudyError> {
     let mut table: toml::Table = toml::from_str(text).map_err(|e| source.syntax(&e))?;
     let mut origin = origin(&source, document.get_ref());
     for renamed in RENAMED {
-        if let Some(notice) = renamed.apply(&mut table) {
-            let new = fields::path(renamed.new_section, renamed.new_key);
-            origin.rename(&fields::path(renamed.section, renamed.field.key), new, &notice);
+        if let Some(old_key) = renamed.apply(&mut table) {
+            origin.rename(old_key);
         }
     }
     let mut study: Study = table.try_into().map_err(|e| source.syntax(&e))?;

@@ -2,6 +2,8 @@
 
 use super::fields::{Field, Kind};
 use crate::text::is_path;
+use serde::{Deserialize, Serialize};
+use std::fmt::{self, Display, Formatter};
 
 /// An old key and the one that has its value now.
 pub(super) struct Renamed {
@@ -41,33 +43,56 @@ impl Renamed {
         RENAMED.iter().filter(move |renamed| renamed.section == section)
     }
 
-    /// Moves the value of the old key in a study's table, if it has one, and says so. A value that the new key has
-    /// gives way, as the old key took its place.
-    pub fn apply(&self, study: &mut toml::Table) -> Option<String> {
+    /// Moves the value of the old key in a study's table, if it has one. It replaces a value of the new key, as the old key had
+    /// precedence.
+    pub fn apply(&self, study: &mut toml::Table) -> Option<OldKey> {
         let section = study.get_mut(self.section)?.as_table_mut()?;
         let old = section.remove(self.field.key);
         if section.is_empty() {
             study.remove(self.section);
         }
         let value = (self.value)(old?.as_str()?);
-        let Self {
-            section: old_section,
-            field: Field { key, .. },
-            new_section,
-            new_key,
-            ..
-        } = self;
-        let mut notice = format!(
-            "`{old_section}.{key}` is now `{new_section}.{new_key}`: write {new_key} = {} in [{new_section}] in its \
-             place",
-            toml::Value::from(value.as_str())
-        );
         let new = study
-            .entry(*new_section)
+            .entry(self.new_section)
             .or_insert_with(|| toml::Value::Table(toml::Table::new()));
-        if let Some(other) = new.as_table_mut()?.insert((*new_key).into(), value.into()) {
-            notice += &format!(", for {other}, which is passed over");
+        let replaced = new.as_table_mut()?.insert(self.new_key.into(), value.as_str().into());
+        Some(OldKey {
+            place: String::new(),
+            old: [self.section.into(), self.field.key.into()],
+            new: [self.new_section.into(), self.new_key.into()],
+            value,
+            replaced: replaced.map(|other| other.to_string()),
+        })
+    }
+}
+
+/// An old key in the file of a study.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OldKey {
+    /// File and line.
+    pub place: String,
+    /// Section and key.
+    pub old: [String; 2],
+    pub new: [String; 2],
+    /// As the new key has it.
+    pub value: String,
+    /// Value of the new key in the same file, which this one replaced.
+    pub replaced: Option<String>,
+}
+
+impl Display for OldKey {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        let Self { place, value, .. } = self;
+        let [section, key] = &self.new;
+        write!(
+            f,
+            "{place}: `{}` is now `{section}.{key}`: write {key} = {} in [{section}] in its place",
+            self.old.join("."),
+            toml::Value::from(value.as_str())
+        )?;
+        match &self.replaced {
+            Some(other) => write!(f, ", for {other}, which is passed over"),
+            None => Ok(()),
         }
-        Some(notice)
     }
 }

@@ -100,6 +100,24 @@ fn markdown_table_has_conventions_footnotes_and_notices() {
     }
 }
 
+/// The result of the reference study is of the version that this program reads, and draws its report.
+#[test]
+fn committed_result_draws_the_committed_tables() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/preprint");
+    let data = read_result(&folder).unwrap();
+    let files = [
+        ("table1.csv", table1_csv(&data).unwrap()),
+        ("table1.md", table1_markdown(&data).into_bytes()),
+        ("curves.csv", curves_csv(&data).unwrap()),
+        ("energy.csv", energy_csv(&data).unwrap()),
+        ("report.json", report_json(&data).unwrap().into_bytes()),
+        (RESULT, result_json(&data).unwrap()),
+    ];
+    for (name, bytes) in files {
+        assert!(std::fs::read(folder.join(name)).unwrap() == bytes, "{name}");
+    }
+}
+
 #[test]
 fn report_json_has_the_fixed_fields() {
     let document: serde_json::Value = serde_json::from_str(&report_json(&data()).unwrap()).unwrap();

@@ -20,26 +20,33 @@ impl Look {
     }
 }
 
-/// Patterns of strokes and gaps; a role starts at its own.
-const DASHES: [Option<(i32, i32)>; 4] = [None, Some((12, 7)), Some((3, 5)), Some((16, 4))];
-
 /// Look of source number `place` of a role, from 0. The first of each role has the role's own colour and line; later ones take the
-/// next shade and the next pattern of dashes.
+/// next shade and the next pattern of the role's dashes: long for models, medium for samples, dots for classical models.
 pub(super) fn look(role: Role, place: usize) -> Look {
-    let (shades, first_dash, width, band_opacity) = match role {
+    let (shades, dashes, width, band_opacity) = match role {
         Role::Model => (
             [(20, 70, 160), (0, 135, 150), (105, 60, 170), (70, 120, 40)],
-            0,
+            [None, Some((26, 4)), Some((20, 8)), Some((32, 12))],
             3,
             0.30,
         ),
-        Role::Measured => ([(25, 25, 25), (120, 120, 120), (95, 70, 55), (60, 85, 90)], 1, 2, 0.16),
-        Role::Classical => ([(205, 85, 0), (190, 30, 60), (170, 125, 0), (200, 70, 150)], 2, 3, 0.22),
+        Role::Measured => (
+            [(25, 25, 25), (120, 120, 120), (95, 70, 55), (60, 85, 90)],
+            [Some((12, 7)), Some((8, 4)), Some((12, 14)), Some((8, 10))],
+            2,
+            0.16,
+        ),
+        Role::Classical => (
+            [(205, 85, 0), (190, 30, 60), (170, 125, 0), (200, 70, 150)],
+            [Some((3, 5)), Some((3, 10)), Some((3, 3)), Some((3, 15))],
+            3,
+            0.22,
+        ),
     };
     let (red, green, blue) = shades[place % shades.len()];
     Look {
         colour: RGBColor(red, green, blue),
-        dash: DASHES[(first_dash + place) % DASHES.len()],
+        dash: dashes[place % dashes.len()],
         width,
         band_opacity,
     }
