@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     system
         .require()
         .map_err(|e| format!("{}: {e}", arguments.file.display()))?;
-    notices.extend(system.doubt().map(|why| format!("the colours are doubtful: {why}")));
+    notices.extend(system.notice());
     for notice in &notices {
         terminal.notice(notice);
     }
@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         } else {
             String::new()
         };
-        terminal.notice(&format!("{first}{more}"));
+        terminal.notice(format!("{first}{more}"));
     }
     let colours: Vec<NamedColour> = spectra
         .all

@@ -1,4 +1,4 @@
-//! What a command tells of its own run beside what the library tells of the result.
+//! Notices of a command on its own run; those on the result are [`specval::report::Notice`].
 
 use super::in_words;
 use std::fmt::{self, Display, Formatter};

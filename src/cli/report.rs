@@ -5,6 +5,7 @@ use specval::formats::Scatter;
 use specval::output::ReportFolder;
 use specval::report::{Notice, Outline, ReportData, file_names, read_result, render, report_json, summary};
 use specval::run::{self, Request, Simulator, Stage, StateFile, Sweep, Watch};
+use specval::sample::Sample;
 use specval::shading::DEFAULT_MODELS;
 use specval::study::Study;
 use std::path::{Path, PathBuf};
@@ -25,8 +26,8 @@ pub struct Arguments {
     /// Compare the ways to follow light in the cloth, each with the study's effort: approximations.csv and locality.csv. Minutes.
     #[arg(long)]
     approximations: bool,
-    #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file", help::samples()), value_name = "SAMPLE")]
-    measured: Option<String>,
+    #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file. May be repeated: further samples are compared at the geometries of the first", help::samples()), value_name = "SAMPLE")]
+    measured: Vec<String>,
     /// Draw the report of a finished run again, without tracing: its result.json, or its folder.
     #[arg(long, value_name = "RESULT", conflicts_with_all = ["study", "quick", "approximations", "measured", "scatter", "side", "until", "max_time", "resume"])]
     from: Option<PathBuf>,
@@ -65,7 +66,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         return again(result, arguments, options, terminal);
     }
     let mut study = study::load(arguments.study.as_deref(), options)?;
-    if let Some(sample) = &arguments.measured {
+    if let Some(sample) = arguments.measured.first() {
         study.measured.sample.clone_from(sample);
     }
     let mut notices = Vec::new();
@@ -73,17 +74,24 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         quicken(&mut study);
         notices.push(Notice::Quick);
     }
-    let inputs = inputs_of(arguments.study.as_deref(), &study);
+    let more = arguments.measured.get(1..).unwrap_or_default();
+    let mut inputs = inputs_of(arguments.study.as_deref(), &study);
+    inputs.extend(more.iter().flat_map(|sample| run::sample_files(sample)));
     if arguments.chosen.scatter == Some(Scatter::Transmission) {
         return Err(NoTransmission.into());
     }
     let plan = study::plan_with(study, arguments.chosen.into())?;
+    let mut samples = Vec::new();
+    for sample in more {
+        study::expect_sample(sample)?;
+        samples.push(Sample::load_chosen(sample, arguments.chosen.into())?);
+    }
     if let Some(notice) = plan.work_notice(Stage::Views)? {
         terminal.notice(&notice);
     }
     let (plan, notice) = arguments.stopping.limits.split(plan, Stage::Views)?;
     notices.extend(notice);
-    // Refused before the simulation; the report tells what is only doubtful.
+    // Wavelengths without colour are refused before the simulation; doubtful ones become notices of the report.
     plan.colour_notices()?;
     let geometries = run::report_geometries(&plan);
     let names = file_names(&Outline {
@@ -106,6 +114,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let orders = run::light_orders(&plan, batches)?;
     let request = Request {
         classical: DEFAULT_MODELS,
+        samples: &samples,
         command: recorded_command(std::env::args_os()),
         notices,
     };

@@ -119,7 +119,7 @@ pub enum Verdict {
 }
 
 /// RMSE(classical)/RMSE(model), above 1 where the model is nearer to the measurement. The Monte Carlo noise in the
-/// model's mean square is taken off first, so the ratio may lie a little above that of the two [`Rmse`].
+/// model's mean square is subtracted first, so the ratio may lie a little above that of the two [`Rmse`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RmseRatio {
     pub theta_i_deg: f64,

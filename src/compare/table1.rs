@@ -180,3 +180,83 @@ impl RatioRanges {
         [self.low, self.high].map(|end| end.green_over_red.value)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ratios(blue: f64, green: f64, red: f64) -> ColourRatios {
+        let of = |value: f64| Estimate {
+            value,
+            se: 0.1 * value.abs(),
+            bias_monte_carlo: 0.0,
+            se_monte_carlo: 0.1 * value.abs(),
+            se_measurement: 0.0,
+        };
+        ColourRatios {
+            blue_over_red: of(blue),
+            green_over_red: of(green),
+            red: of(red),
+            red_is_zero: red == 0.0,
+        }
+    }
+
+    #[test]
+    fn range_takes_each_end_with_its_error_and_leaves_out_media_without_red() {
+        let media = [
+            ratios(9.0, 9.0, 0.0),
+            ratios(0.1, 0.04, 1.0),
+            ratios(0.2, 0.01, 1.0),
+            ratios(0.05, 0.02, 1.0),
+        ];
+        let range = RatioRanges::of(&media).unwrap();
+        assert_eq!(
+            (range.blue_over_red(), range.green_over_red()),
+            ([0.05, 0.2], [0.01, 0.04])
+        );
+        assert_eq!(range.high.blue_over_red, media[2].blue_over_red);
+        assert_eq!(range.low.green_over_red, media[2].green_over_red);
+        assert_eq!(RatioRanges::of(&media[..1]), None);
+    }
+
+    #[test]
+    fn rows_are_named_by_their_sources() {
+        let orders = [ratios(0.1, 0.1, 1.0), ratios(0.2, 0.2, 0.0)];
+        let source = |id: &str, errors_stated| Table1Source {
+            id: id.into(),
+            ratios: &orders[0],
+            errors_stated,
+        };
+        let table = Table1 {
+            published: None,
+            sources: vec![
+                source("measured", true),
+                source("measured-2", false),
+                source("model", true),
+            ],
+            range: RatioRanges::of(&orders),
+            orders: &orders,
+        };
+        let rows = table.rows();
+        let json = serde_json::to_value(&rows).unwrap();
+        let names: Vec<&str> = json
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter_map(|row| row["row"].as_str())
+            .collect();
+        let expected = [
+            "measured",
+            "measured-2",
+            "model",
+            "model_low",
+            "model_high",
+            "model_direct",
+            "model_all_bounces",
+        ];
+        assert_eq!(names, expected);
+        assert_eq!(serde_json::from_value::<Vec<Table1Row>>(json).unwrap(), rows);
+        assert_eq!((rows[1].blue_over_red, rows[1].blue_over_red_se), (Some(0.1), None));
+        assert_eq!((rows[6].blue_over_red, rows[6].blue_over_red_se), (None, None));
+    }
+}

@@ -46,7 +46,7 @@ impl<'a> Factors<'a> {
     }
 }
 
-/// [`Provenance`] with its fallbacks and notices in words.
+/// [`Provenance`] with its fallbacks and notices as sentences.
 #[derive(Serialize)]
 struct Origin<'a> {
     version: &'a str,

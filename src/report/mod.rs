@@ -1,4 +1,4 @@
-//! Graphs, tables and provenance: pure functions of one [`ReportData`].
+//! The result of a study and its report: graphs, tables and documents are pure functions of one [`ReportData`].
 //!
 //! [`render`] turns a result into named files in memory; a [`crate::output::ReportFolder`] is prepared before a simulation starts
 //! and takes those files whole or not at all. Same data, same bytes.

@@ -1,9 +1,10 @@
-//! Everything that a result says beside its numbers: as data in the result, in words here alone.
+//! Notices and fallbacks of a result. The result holds them as data; their wording is here alone.
 
 use crate::compare::Geometry;
 use crate::number::{nan_from_null, shown, time_in_words};
 use crate::sample::SampleNotice;
 use crate::spectrum::Doubt;
+use crate::study::OldKey;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 
@@ -56,9 +57,9 @@ pub enum Notice {
     GrazingGain {
         gains: Vec<GrazingGain>,
     },
-    /// An old spelling in the study's file; the words name the new one.
+    /// An old key in the study's file.
     OldKey {
-        words: String,
+        key: OldKey,
     },
     /// A diameter in the section of the study, nm, that looks like micrometres.
     ParticleDiameter {
@@ -150,7 +151,7 @@ pub enum Fallback {
     IndependentEstimator,
     /// f* of a round yarn in place of that of an elliptical or uneven one.
     RoundYarnResponse,
-    /// Fibres shine in place of a gloss about the cloth's normal.
+    /// The yarns have their own gloss, so the model has none about the cloth's normal.
     YarnsShine,
     /// The sample has ratios alone.
     PublishedRatiosAlone {
@@ -193,7 +194,7 @@ impl Display for Notice {
                     gains.iter().map(at).collect::<Vec<_>>().join(", ")
                 )
             }
-            Self::OldKey { words } => f.write_str(words),
+            Self::OldKey { key } => key.fmt(f),
             Self::ParticleDiameter { section, doubt } => write!(f, "`{section}.particle_diameter_nm`: {doubt}"),
             Self::LongPaths { paths } => paths.fmt(f),
             Self::LongRun {

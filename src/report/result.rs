@@ -1,4 +1,4 @@
-//! The one plain result everything in this room is a pure function of.
+//! The result that a report is drawn from.
 
 use super::{Approximations, EnergyRow, Fallback, Notice};
 use crate::compare::{
@@ -14,7 +14,7 @@ use std::borrow::Cow;
 pub struct ReportData {
     /// Wavelength grid of the study, nm, ascending.
     pub wavelengths_nm: Vec<f64>,
-    /// The convention the curves and `table1` are in, in words: observer, illuminant, RGB space, adaptation.
+    /// Colour convention of the curves and of `table1`: observer, illuminant, RGB space, adaptation.
     pub colour_convention: String,
     /// Models, classical shadings and samples; curves, errors and the other lists name them by their ids.
     pub sources: Vec<Source>,
@@ -56,7 +56,7 @@ impl ReportData {
 /// Table 1 under one colour convention.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Convention {
-    /// In words: observer, illuminant, RGB space, adaptation.
+    /// Observer, illuminant, RGB space, adaptation.
     pub convention: String,
     pub rows: Vec<Table1Row>,
 }
@@ -95,7 +95,7 @@ impl ReadingCount {
     pub const EXAMPLES: usize = 12;
 }
 
-/// What the sample is, in words that go below every graph and table it appears in.
+/// Description of a sample, for the captions of graphs and the footnotes of tables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SampleNote {
     /// Left out of files where it is the first sample's.
@@ -108,7 +108,7 @@ pub struct SampleNote {
     pub licence: String,
     /// Whether its readings have standard errors.
     pub uncertainty_stated: bool,
-    /// What name and kind do not say: its standard uncertainty, its RGB space.
+    /// Its standard uncertainty and its RGB space.
     pub caption: String,
 }
 
@@ -138,9 +138,21 @@ impl SampleNote {
         }
     }
 
-    /// As legends name the one sample of a report.
-    pub fn label(&self) -> String {
-        format!("measured ({})", self.kind)
+    /// Of the samples of a report, which have their ids by their places.
+    pub fn of_all(samples: &[&Sample]) -> Vec<Self> {
+        let note =
+            |(place, sample): (usize, &&Sample)| Self::of(Source::numbered(Role::Measured, place, "").id, sample);
+        samples.iter().enumerate().map(note).collect()
+    }
+
+    /// The sample as a source; a report of several samples names each in its legends.
+    pub fn source_of(&self, samples: usize) -> Source {
+        let name = if samples == 1 { "measured" } else { &self.name };
+        Source {
+            id: self.id.clone(),
+            role: Role::Measured,
+            label: format!("{name} ({})", self.kind),
+        }
     }
 }
 
@@ -218,8 +230,8 @@ pub struct Provenance {
     pub seed: u64,
     pub inputs: Vec<InputDigest>,
     pub effort: EffortNote,
-    /// Everything that was done in another way than the study asks.
+    /// What was done in another way than the study asks.
     pub fallbacks: Vec<Fallback>,
-    /// What the reader must know, such as a range the sweep does not reach.
+    /// What a reader of the result must know, such as a range that the sweep does not reach.
     pub notices: Vec<Notice>,
 }

@@ -1,4 +1,4 @@
-//! The whole result as a file, from which a report is drawn again.
+//! The result as a file, from which `report --from` draws the report again.
 
 use super::{ReportData, ReportError};
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,7 @@ pub const RESULT: &str = "result.json";
 const FORMAT: &str = "specval result";
 /// Rises with every change after which an older program would read the file wrong.
 const VERSION: u32 = 2;
-/// Bytes of the largest file that is read: forty times the default study's.
+/// Size of the largest file that is read, bytes: forty times the default study's.
 const MOST_BYTES: u64 = 128 << 20;
 
 #[derive(Serialize)]

@@ -3,8 +3,8 @@ use super::{EffortNote, ReportData, ledger_table};
 use crate::compare::{Channel, Rmse, RmseRatio, Role, Source, SourceId, Table1Name, Verdict};
 use std::fmt::Write;
 
-/// What the terminal shows after a report: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every
-/// notice and fallback.
+/// The summary that `report` prints: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every notice and
+/// fallback.
 pub fn summary(data: &ReportData) -> String {
     let mut text = String::new();
     table1(&mut text, data);
@@ -33,7 +33,7 @@ pub fn summary(data: &ReportData) -> String {
     text
 }
 
-/// What became of the sample's readings, by name; none for a sample without.
+/// How many of the sample's readings were compared, and why the others were not; `None` for a sample without readings.
 fn readings_line(data: &ReportData) -> Option<String> {
     let count = &data.readings;
     if count.total == 0 {
@@ -86,7 +86,7 @@ fn readings_line(data: &ReportData) -> Option<String> {
     Some(line)
 }
 
-/// What was traced, why it stopped, and how well it is known now.
+/// What was traced, why tracing stopped, and which precision it reached.
 pub fn effort_line(effort: &EffortNote) -> String {
     let asked = [
         effort.asked.until.clone(),

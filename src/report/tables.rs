@@ -73,7 +73,7 @@ pub fn locality_csv(of: &Approximations) -> Result<Vec<u8>, ReportError> {
     )
 }
 
-/// Numbers come out as the shortest text that reads back exactly. The header is written even above no rows.
+/// A CSV table. Numbers are the shortest text that reads back exactly; a table without rows keeps its header.
 fn csv_of<T: Serialize>(rows: &[T], header: &[&str]) -> Result<Vec<u8>, ReportError> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     writer.write_record(header)?;
@@ -85,13 +85,13 @@ fn csv_of<T: Serialize>(rows: &[T], header: &[&str]) -> Result<Vec<u8>, ReportEr
         .map_err(|error| ReportError::Csv(error.into_error().into()))
 }
 
-/// Table 1 for people: the four rows, the ratios under every convention, and what the numbers are.
+/// `table1.md`: Table 1 for readers, with the ratios under every colour convention and footnotes on its rows.
 pub fn table1_markdown(data: &ReportData) -> String {
     let mut text = String::from("# Table 1. Colour ratios at normal illumination and view\n\n");
     text += "Ratios of linear RGB components of the brightness factor, diffuse part, dimensionless; ± one standard error.\n\n";
     let _ = writeln!(text, "Colour convention: {}.\n", data.colour_convention);
     text += "| | BLUE/RED | GREEN/RED |\n| --- | --- | --- |\n";
-    for (label, blue, green) in rows_for_people(data, &data.table1) {
+    for (label, blue, green) in formatted_rows(data, &data.table1) {
         let _ = writeln!(text, "| {label} | {blue} | {green} |");
     }
     if !data.conventions.is_empty() {
@@ -99,7 +99,7 @@ pub fn table1_markdown(data: &ReportData) -> String {
         text += "GREEN/RED of a red this deep is a small difference of large numbers: it moves with the convention far more than with the cloth.\n\n";
         text += "| Convention | | BLUE/RED | GREEN/RED |\n| --- | --- | --- | --- |\n";
         for convention in &data.conventions {
-            for (label, blue, green) in rows_for_people(data, &convention.rows) {
+            for (label, blue, green) in formatted_rows(data, &convention.rows) {
                 let _ = writeln!(
                     text,
                     "| {} | {label} | {blue} | {green} |",
@@ -144,8 +144,8 @@ pub fn table1_markdown(data: &ReportData) -> String {
     text
 }
 
-/// Label, BLUE/RED and GREEN/RED of each row; the ends of the model's range are one.
-fn rows_for_people(data: &ReportData, rows: &[Table1Row]) -> Vec<(String, String, String)> {
+/// Label, BLUE/RED and GREEN/RED of each row; both ends of the model's range are one row.
+fn formatted_rows(data: &ReportData, rows: &[Table1Row]) -> Vec<(String, String, String)> {
     let find = |name| rows.iter().find(|row| row.row == name);
     let mut out = Vec::new();
     for row in rows {
@@ -197,7 +197,7 @@ pub(super) fn place(at: &Geometry) -> String {
     format!("{}/{}", at.theta_i_deg, at.theta_v_deg)
 }
 
-/// Where a source is normalised, in words.
+/// The place of a normalisation as a phrase.
 pub(super) fn words_of(at: &Geometry) -> String {
     match (at.theta_i_deg, at.theta_v_deg) {
         (0.0, 0.0) => "normal light and view".to_owned(),

@@ -80,7 +80,7 @@ pub(crate) fn directions(plan: &Plan, geometry: Geometry) -> (Vec3, Vec3) {
     )
 }
 
-/// β of the gloss about the cloth's normal; none where the yarns shine by themselves.
+/// β of the gloss about the cloth's normal; 0 where the yarns have their own gloss.
 pub(crate) fn gloss(plan: &Plan, geometry: Geometry) -> f64 {
     if plan.study.specular.surface.is_of_yarns() {
         return 0.0;

@@ -8,7 +8,7 @@ pub(super) fn paths_per_batch(plan: &Plan) -> PathsPerBatch {
     }
 }
 
-/// What a run under this rule did; `watched` is what its largest error is of.
+/// The effort of a run under this stop rule; `watched` is the quantity that its largest error is of.
 pub(super) fn effort_note(
     paths_per_batch: PathsPerBatch,
     rule: &StopRule,

@@ -1,11 +1,13 @@
 //! What makes the numbers of a study doubtful, before or after it is run, and what is done otherwise than it asks.
 
+use super::readings::first_incidences;
 use super::{Plan, RunError, Stage};
 use crate::compare::{ColourRatios, Comparison, HueComparison};
 use crate::report::{Fallback, Notice};
 use crate::rig::Geometry;
+use crate::sample::Sample;
 use crate::spectrum::plausibility;
-use crate::study::{MethodChoice, Study, StudyError};
+use crate::study::{MethodChoice, OldKey, Study, StudyError};
 use crate::yarn::Yarn;
 
 impl Plan {
@@ -45,8 +47,8 @@ impl Plan {
 
 /// Old spellings of a study's file, and numbers of its media that look like those of another unit.
 pub fn study_notices(study: &Study) -> Vec<Notice> {
-    let old_key = |words: &String| Notice::OldKey { words: words.clone() };
-    let mut notices: Vec<Notice> = study.origin.notices().iter().map(old_key).collect();
+    let old_key = |key: &OldKey| Notice::OldKey { key: key.clone() };
+    let mut notices: Vec<Notice> = study.origin.old_keys().iter().map(old_key).collect();
     let weft = study.weft.medium(&study.medium);
     let mut media = vec![("medium", study.medium.particle_diameter_nm)];
     if weft.particle_diameter_nm != study.medium.particle_diameter_nm {
@@ -94,6 +96,18 @@ pub(super) fn of_reference(comparison: &Comparison) -> Option<Fallback> {
         .map(|at| Fallback::OtherReference { at })
 }
 
+/// Why a sample without a reading at the geometries of a report is not compared.
+pub(super) fn not_compared(sample: &Sample) -> Fallback {
+    let name = sample.name().to_owned();
+    match sample.published_ratios() {
+        Some(_) => Fallback::PublishedRatiosAlone { sample: name },
+        None => Fallback::NothingCompared {
+            sample: name,
+            incidences_deg: first_incidences(sample),
+        },
+    }
+}
+
 /// That model and sample plainly differ in hue.
 pub(super) fn another_cloth(hue: &HueComparison) -> Option<Notice> {
     hue.plainly_different.then_some(Notice::AnotherCloth {
@@ -104,9 +118,9 @@ pub(super) fn another_cloth(hue: &HueComparison) -> Option<Notice> {
     })
 }
 
-/// What it would take to know BLUE/RED of the model well, where it is not, after so many `paths` a tilt.
+/// How many times the `paths` a tilt of this run give BLUE/RED of the model to 5 %, where it is known worse.
 pub(super) fn more_paths(paths: usize, ratios: &ColourRatios) -> Option<Notice> {
-    /// Relative standard error at which a ratio tells cloths apart.
+    /// Relative standard error at which a ratio distinguishes cloths.
     const WELL: f64 = 0.05;
     let relative_se = ratios.blue_over_red.se / ratios.blue_over_red.value.abs();
     let times = (relative_se / WELL).powi(2);

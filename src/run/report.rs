@@ -1,8 +1,8 @@
 //! From a simulation to the result of a report. Nothing is traced here: see [`Sweep`] and [`super::light_orders`].
 
 use super::curves::{channels, directions};
-use super::notices::{another_cloth, more_paths, of_reference, study_fallbacks};
-use super::readings::{count, first_incidences, readings};
+use super::notices::{another_cloth, more_paths, not_compared, of_reference, study_fallbacks};
+use super::readings::{count, readings_of};
 use super::{Plan, RunError, Simulation, Sweep, energy_rows, grazing_gains, grazing_notice, table1};
 use crate::cloth::Weave;
 use crate::colour::{ColourSystem, Convention};
@@ -10,9 +10,9 @@ use crate::compare::{
     self, Channels, ColourRatios, Compared, Comparison, Inputs, Propagation, Role, Source, Table1Name, Table1Row,
     reference,
 };
-use crate::report::{self as shown, Fallback, Notice, Provenance, ReportData, SampleNote};
+use crate::report::{self as shown, Fallback, InputDigest, Notice, Provenance, ReportData, SampleNote};
 use crate::rig::Geometry;
-use crate::sample::{Reading, Uncertainty};
+use crate::sample::{Reading, Sample};
 use crate::shading::{Basis, classical_model};
 
 /// What a report is asked for beside its study.
@@ -20,9 +20,11 @@ use crate::shading::{Basis, classical_model};
 pub struct Request<'a> {
     /// Ids of the classical models, [`crate::shading::DEFAULT_MODELS`] by default.
     pub classical: &'a [&'a str],
+    /// Samples beside the study's, compared at its geometries.
+    pub samples: &'a [Sample],
     /// For the provenance, word by word.
     pub command: Vec<String>,
-    /// What the run has told already; comes first.
+    /// Notices of the run so far; they come first in the result.
     pub notices: Vec<Notice>,
 }
 
@@ -39,31 +41,41 @@ pub fn report(
 ) -> Result<ReportData, RunError> {
     let Request {
         classical,
+        samples,
         command,
         mut notices,
     } = request;
+    let samples: Vec<&Sample> = std::iter::once(&plan.sample).chain(samples).collect();
     notices.extend(grazing_notice(&grazing_gains(plan)?));
     notices.extend(plan.notices());
     notices.extend(plan.colour_notices()?);
     if plan.weft.is_some() {
         notices.push(Notice::WarpAndWeftDiffer);
     }
-    notices.extend(plan.sample.notices().iter().cloned().map(Notice::from));
+    let of_samples = samples.iter().flat_map(|sample| sample.notices());
+    notices.extend(of_samples.cloned().map(Notice::from));
     let curves = &simulation.curves;
     let mut fallbacks = study_fallbacks(plan, &curves.geometries);
-    let measured = readings(plan, &curves.geometries)?;
+    let mut measured = Vec::new();
+    for sample in &samples {
+        measured.push(readings_of(sample, plan, &curves.geometries)?);
+    }
     let model = curves.channels(&plan.colour, true);
-    let propagation = Propagation::new(&model, &measured)?;
-    let mut readings = count(plan, &curves.geometries, &measured, propagation.model_mean());
-    let note = SampleNote::of(Role::Measured.id().into(), &plan.sample);
+    let propagation = Propagation::new(&model, &measured[0])?;
+    let mut readings = count(plan, &curves.geometries, &measured[0], propagation.model_mean());
+    let notes = SampleNote::of_all(&samples);
     let model_source = Source::numbered(Role::Model, 0, "model");
-    let sample_source = Source::numbered(Role::Measured, 0, note.label());
+    let sample_sources: Vec<Source> = notes.iter().map(|note| note.source_of(notes.len())).collect();
     let models = [Compared::new(&model_source, &model)];
-    let samples = [Compared::new(&sample_source, &measured)];
+    let has_reading = |of: &Compared<Option<Reading>>| of.values.iter().any(Option::is_some);
+    let compared: Vec<Compared<Option<Reading>>> = std::iter::zip(&sample_sources, &measured)
+        .map(|(source, values)| Compared::new(source, values))
+        .filter(has_reading)
+        .collect();
     let mut hue = None;
     let mut shaded = Vec::new();
-    let place = reference(&curves.geometries, &measured);
-    if let Some((place, reading)) = place.and_then(|place| Some((place, measured[place]?))) {
+    let place = reference(&curves.geometries, &measured[0]);
+    if let Some((place, reading)) = place.and_then(|place| Some((place, measured[0][place]?))) {
         shaded = shadings(plan, simulation, classical, &reading)?;
         hue = compare::hue(&propagation, place, &plan.colour);
     }
@@ -75,18 +87,19 @@ pub fn report(
         geometries: &curves.geometries,
         models: &models,
         classical: &shadings,
-        measured: if place.is_some() { &samples } else { &[] },
+        measured: &compared,
     })?;
-    let sample = plan.sample.name().to_owned();
-    fallbacks.extend(match (place, plan.sample.published_ratios()) {
-        (Some(_), _) => of_reference(&comparison),
-        (None, Some(_)) => Some(Fallback::PublishedRatiosAlone { sample }),
-        (None, None) => Some(Fallback::NothingCompared {
-            sample,
-            incidences_deg: first_incidences(&plan.sample),
-        }),
-    });
-    readings.normalised_at = comparison.normalisation.first().map(|coefficient| coefficient.at);
+    if place.is_some() {
+        fallbacks.extend(of_reference(&comparison));
+    }
+    for (sample, values) in std::iter::zip(&samples, &measured) {
+        if values.iter().all(Option::is_none) {
+            fallbacks.push(not_compared(sample));
+        }
+    }
+    let mut coefficients = comparison.normalisation.iter();
+    let of_first = coefficients.find(|coefficient| coefficient.sample == notes[0].id);
+    readings.normalised_at = of_first.map(|coefficient| coefficient.at);
     notices.extend(hue.as_ref().and_then(another_cloth));
     if comparison.rmse_ratios.iter().any(|ratio| ratio.too_few_paths) {
         notices.push(Notice::VerdictsWithheld);
@@ -102,7 +115,7 @@ pub fn report(
     let ratios = curves.diffuse_ratios(&plan.colour, normal)?;
     let paths = plan.direct_effort.paths_per_batch * simulation.effort.batches;
     notices.extend(more_paths(paths, &ratios));
-    let table1 = table1::rows(plan, &ratios, sweep, orders, &comparison, &mut notices)?;
+    let table1 = table1::rows(plan, &ratios, sweep, orders, (&comparison, &notes), &mut notices)?;
     let mut conventions = Vec::new();
     for convention in Convention::all() {
         let name = convention.to_string();
@@ -116,7 +129,7 @@ pub fn report(
             )],
         });
     }
-    if plan.sample.is_rgb() {
+    if samples.iter().any(|sample| sample.is_rgb()) {
         notices.push(Notice::RgbSample);
     }
     if let Weave::Custom(_) = plan.cloth_spec.weave {
@@ -124,9 +137,13 @@ pub fn report(
             draft: plan.study.cloth.weave.clone(),
         });
     }
-    if plan.sample.uncertainty() == Uncertainty::NotStated {
+    if notes.iter().any(|note| !note.uncertainty_stated) {
         fallbacks.push(Fallback::UncertaintyNotStated);
     }
+    let more_inputs = samples[1..].iter().map(|sample| InputDigest {
+        name: format!("sample {}", sample.name()),
+        sha256: sample.digest().to_owned(),
+    });
     Ok(ReportData {
         wavelengths_nm: plan.grid.nm().to_vec(),
         colour_convention: plan.colour.convention().to_string(),
@@ -139,7 +156,7 @@ pub fn report(
         rmse: comparison.rmse,
         peaks: comparison.peaks,
         rmse_ratios: comparison.rmse_ratios,
-        samples: vec![note],
+        samples: notes,
         readings,
         hue,
         approximations: None,
@@ -148,7 +165,7 @@ pub fn report(
             command,
             study: serde_json::to_value(&plan.study).map_err(shown::ReportError::from)?,
             seed: plan.study.seed,
-            inputs: plan.inputs.clone(),
+            inputs: plan.inputs.iter().cloned().chain(more_inputs).collect(),
             effort: simulation.effort.clone(),
             fallbacks,
             notices,

@@ -2,8 +2,8 @@
 
 use super::{Plan, RunError, Sweep};
 use crate::compare::{ColourRatios, Comparison, RatioRanges, Role, Table1, Table1Row, Table1Source};
-use crate::report::{Notice, RatioOf, TableRatio};
-use crate::sample::{PublishedRatios, Uncertainty, published_ratios};
+use crate::report::{Notice, RatioOf, SampleNote, TableRatio};
+use crate::sample::{PublishedRatios, published_ratios};
 use crate::study::MediumSection;
 
 /// The rows; `model` are the ratios at the study's own parameters.
@@ -12,7 +12,7 @@ pub(super) fn rows(
     model: &ColourRatios,
     sweep: &Sweep,
     orders: &[ColourRatios; 2],
-    comparison: &Comparison,
+    (comparison, samples): (&Comparison, &[SampleNote]),
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<Table1Row>, RunError> {
     // The preprint's own ratios say nothing of a cloth of another dye.
@@ -26,7 +26,9 @@ pub(super) fn rows(
         .map(|of| Table1Source {
             id: of.source.clone(),
             ratios: &of.ratios,
-            errors_stated: plan.sample.uncertainty() != Uncertainty::NotStated,
+            errors_stated: samples
+                .iter()
+                .any(|note| note.id == of.source && note.uncertainty_stated),
         })
         .collect();
     notices.push(Notice::Sweep {

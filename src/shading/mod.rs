@@ -4,15 +4,13 @@
 //! Directions are unit vectors from the surface, the normal is +z: in the cloth's coordinates, of fibres in the yarn's.
 
 mod fibre_gloss;
-mod lambert_cook_torrance;
 mod model;
 mod registry;
 mod specular;
 
 pub use fibre_gloss::FibreGloss;
-pub use lambert_cook_torrance::LambertCookTorrance;
-pub use model::{Basis, ClassicalModel, Parameter, ShadingModel};
-pub use registry::{DEFAULT_MODELS, classical_model, classical_models};
+pub use model::{Basis, ClassicalModel, Parameter, Shading, ShadingModel};
+pub use registry::{DEFAULT_MODELS, LambertCookTorrance, classical_model, classical_models};
 pub use specular::{Distribution, Specular};
 
 use crate::spectrum::UnknownName;

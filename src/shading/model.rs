@@ -29,6 +29,9 @@ pub struct Basis {
     pub specular: Specular,
 }
 
+/// A model that is made, or why it is not.
+pub type Shading = Result<Box<dyn ShadingModel>, ShadingError>;
+
 /// A row of the registry: what a classical model is called, what it depends on and how it is made.
 #[derive(Debug)]
 pub struct ClassicalModel {
@@ -39,7 +42,7 @@ pub struct ClassicalModel {
     /// Values of the parameters that a basis gives without a fit.
     pub start: fn(&Basis) -> Vec<f64>,
     /// The model with these values, as many as there are parameters.
-    pub build: fn(&Basis, &[f64]) -> Result<Box<dyn ShadingModel>, ShadingError>,
+    pub build: fn(&Basis, &[f64]) -> Shading,
 }
 
 impl ClassicalModel {
@@ -47,7 +50,7 @@ impl ClassicalModel {
     ///
     /// # Errors
     /// A basis that the model refuses.
-    pub fn of(&self, basis: &Basis) -> Result<Box<dyn ShadingModel>, ShadingError> {
+    pub fn of(&self, basis: &Basis) -> Shading {
         self.with(basis, &(self.start)(basis))
     }
 
@@ -55,7 +58,7 @@ impl ClassicalModel {
     ///
     /// # Errors
     /// Another number of values than parameters, or one that the model refuses.
-    pub fn with(&self, basis: &Basis, values: &[f64]) -> Result<Box<dyn ShadingModel>, ShadingError> {
+    pub fn with(&self, basis: &Basis, values: &[f64]) -> Shading {
         (self.build)(basis, values)
     }
 

@@ -185,7 +185,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn per_cent_is_told_from_fractions() {
+    fn per_cent_is_recognised() {
         assert!(
             per_cent_for_fractions("beta", [40.0, 38.0, 0.5])
                 .is_some_and(|doubt| doubt.to_string().contains("median 38"))
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn reflectances_in_per_cent_or_below_zero_are_told() {
+    fn reflectances_in_per_cent_or_below_zero_are_noticed() {
         assert_eq!(reflectances("red", &[0.0, 0.2, 1.05]), Ok(vec![]));
         let told = reflectances("red", &[0.2, 69.9]).unwrap()[0].to_string();
         assert!(told.contains("69.9") && told.contains("divide them by 100"), "{told}");
@@ -208,13 +208,13 @@ mod tests {
     }
 
     #[test]
-    fn diameters_in_micrometres_are_told() {
+    fn diameters_in_micrometres_are_noticed() {
         assert!(particle_diameter(0.15).is_some_and(|doubt| doubt.to_string().contains("write 150")));
         assert_eq!((particle_diameter(150.0), particle_diameter(1.0)), (None, None));
     }
 
     #[test]
-    fn radians_are_told_from_degrees() {
+    fn radians_are_recognised() {
         assert!(radians_for_degrees([0.0, -1.05, 0.52, 1.2217]).is_some());
         // One incidence and view, near the normal: degrees for all one knows.
         assert_eq!(radians_for_degrees([0.0, 0.02, -0.01]), None);

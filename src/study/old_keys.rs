@@ -1,13 +1,14 @@
-//! Keys of older studies: they are still read, and a notice says what to write in their place. Each is a row of [`OLD_KEYS`].
+//! Keys of older studies: they are still read, and a notice says what to write in their place. Each is a row of [`FORMER_KEYS`].
 
 use super::Study;
 use super::fields::{Field, Kind, closed};
 use crate::text::is_path;
 use serde::de::Error;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt::{self, Display, Formatter};
 
 /// A key that studies no longer have.
-pub(super) struct OldKey {
+pub(super) struct FormerKey {
     pub section: &'static str,
     pub field: Field,
     pub now: Now,
@@ -26,8 +27,8 @@ pub(super) enum Now {
     Dropped(&'static str),
 }
 
-pub(super) const OLD_KEYS: &[OldKey] = &[
-    OldKey {
+pub(super) const FORMER_KEYS: &[FormerKey] = &[
+    FormerKey {
         section: "weave",
         field: field("draft", Kind::Text),
         now: Now::Renamed {
@@ -36,7 +37,7 @@ pub(super) const OLD_KEYS: &[OldKey] = &[
             text: as_path,
         },
     },
-    OldKey {
+    FormerKey {
         section: "check",
         field: field("two_roads", Kind::Number(closed(0.0, 1.0))),
         now: Now::Renamed {
@@ -45,12 +46,12 @@ pub(super) const OLD_KEYS: &[OldKey] = &[
             text: str::to_owned,
         },
     },
-    OldKey {
+    FormerKey {
         section: "cloth",
         field: field("segments_around", Kind::Multiple(8, 1024, 4)),
         now: Now::Dropped(SMOOTH),
     },
-    OldKey {
+    FormerKey {
         section: "cloth",
         field: field("segments_along", Kind::Integer(8, 1024)),
         now: Now::Dropped(SMOOTH),
@@ -77,44 +78,88 @@ fn as_path(draft: &str) -> String {
     }
 }
 
-impl OldKey {
+impl FormerKey {
     /// The old keys of a section.
     pub fn of(section: &str) -> impl Iterator<Item = &'static Self> {
-        OLD_KEYS.iter().filter(move |old| old.section == section)
+        FORMER_KEYS.iter().filter(move |old| old.section == section)
     }
 
-    /// Takes the old key out of a study's table, if it has one, and says so; a new key that has its value now takes it. A
-    /// value that the new key has gives way, as the old key took its place.
-    pub fn apply(&self, study: &mut toml::Table) -> Option<String> {
+    /// Takes the old key out of a study's table, if it has one; a key that has its value now takes it, in place of a value of its own,
+    /// as the old key had precedence.
+    pub fn apply(&self, study: &mut toml::Table) -> Option<OldKey> {
         let (old_section, key) = (self.section, self.field.key);
         let section = study.get_mut(old_section)?.as_table_mut()?;
         let old = section.remove(key)?;
         if section.is_empty() {
             study.remove(old_section);
         }
-        let (new_section, new_key, value) = match &self.now {
+        let now = match &self.now {
             Now::Renamed { section, key, text } => {
                 let value = old.as_str().map(|old| toml::Value::from(text(old))).unwrap_or(old);
-                (*section, *key, value)
+                let new = study
+                    .entry(*section)
+                    .or_insert_with(|| toml::Value::Table(toml::Table::new()));
+                let replaced = new.as_table_mut()?.insert((*key).into(), value.clone());
+                OldKeyNow::Renamed {
+                    new: [(*section).into(), (*key).into()],
+                    value: value.to_string(),
+                    replaced: replaced.map(|other| other.to_string()),
+                }
             }
-            Now::Dropped(why) => {
-                return Some(format!(
-                    "`{old_section}.{key}` has no effect any more: {why}; remove it"
-                ));
-            }
+            Now::Dropped(why) => OldKeyNow::Dropped { why: (*why).into() },
         };
-        let mut notice = format!(
-            "`{old_section}.{key}` is now `{new_section}.{new_key}`: write {new_key} = {} in [{new_section}] in its \
-             place",
-            value
-        );
-        let new = study
-            .entry(new_section)
-            .or_insert_with(|| toml::Value::Table(toml::Table::new()));
-        if let Some(other) = new.as_table_mut()?.insert(new_key.into(), value) {
-            notice += &format!(", for {other}, which is passed over");
+        Some(OldKey {
+            place: String::new(),
+            old: [old_section.into(), key.into()],
+            now,
+        })
+    }
+}
+
+/// An old key in the file of a study.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OldKey {
+    /// File and line.
+    pub place: String,
+    /// Section and key.
+    pub old: [String; 2],
+    pub now: OldKeyNow,
+}
+
+/// What became of it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OldKeyNow {
+    Renamed {
+        /// Section and key.
+        new: [String; 2],
+        /// As the new key has it, in TOML.
+        value: String,
+        /// Value of the new key in the same file, which this one replaced.
+        replaced: Option<String>,
+    },
+    Dropped {
+        why: String,
+    },
+}
+
+impl Display for OldKey {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        write!(f, "{}: `{}` ", self.place, self.old.join("."))?;
+        match &self.now {
+            OldKeyNow::Renamed { new, value, replaced } => {
+                let [section, key] = new;
+                write!(
+                    f,
+                    "is now `{section}.{key}`: write {key} = {value} in [{section}] in its place"
+                )?;
+                match replaced {
+                    Some(other) => write!(f, ", for {other}, which is passed over"),
+                    None => Ok(()),
+                }
+            }
+            OldKeyNow::Dropped { why } => write!(f, "has no effect any more: {why}; remove it"),
         }
-        Some(notice)
     }
 }
 
@@ -124,7 +169,7 @@ impl OldKey {
 /// What is no study.
 pub fn study_of_any_age<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Study, D::Error> {
     let mut study = serde_json::Value::deserialize(deserializer)?;
-    for OldKey { section, field, now } in OLD_KEYS {
+    for FormerKey { section, field, now } in FORMER_KEYS {
         let fields = study.get_mut(section).and_then(|of| of.as_object_mut());
         let Some(old) = fields.and_then(|fields| fields.remove(field.key)) else {
             continue;

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use super::old_keys::{OldKey, OldKeyNow};
 use super::{Place, StudyError};
 
 /// The file that a study was read from and the line of each of its keys, for messages. It says nothing of what the
@@ -9,8 +10,7 @@ pub struct Origin {
     file: String,
     /// By `section.key`, from 1.
     lines: BTreeMap<String, usize>,
-    /// Of old spellings.
-    notices: Vec<String>,
+    old_keys: Vec<OldKey>,
 }
 
 impl PartialEq for Origin {
@@ -24,7 +24,7 @@ impl Origin {
         Self {
             file: file.into(),
             lines,
-            notices: Vec::new(),
+            old_keys: Vec::new(),
         }
     }
 
@@ -39,20 +39,25 @@ impl Origin {
         })
     }
 
-    /// That an old key is read, of which `new` has the value now, and what the user is told of it.
-    pub(super) fn replace(&mut self, old: &str, new: Option<String>, notice: &str) {
-        let line = self.lines.remove(old).unwrap_or(0);
+    /// Notes that an old key is read, of which another may have the value now.
+    pub(super) fn replace(&mut self, old_key: OldKey) {
+        let line = self.lines.remove(&old_key.old.join(".")).unwrap_or(0);
         let place = Place {
             file: self.file.clone(),
             line,
         };
-        self.notices.push(format!("{place}: {notice}"));
-        self.lines.extend(new.map(|new| (new, line)));
+        if let OldKeyNow::Renamed { new, .. } = &old_key.now {
+            self.lines.insert(new.join("."), line);
+        }
+        self.old_keys.push(OldKey {
+            place: place.to_string(),
+            ..old_key
+        });
     }
 
-    /// Old spellings of the file, each with the new one.
-    pub fn notices(&self) -> &[String] {
-        &self.notices
+    /// Old keys of the file, each with the new one.
+    pub fn old_keys(&self) -> &[OldKey] {
+        &self.old_keys
     }
 
     /// That a key no longer has its value from the file.

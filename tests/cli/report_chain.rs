@@ -169,7 +169,7 @@ fn a_result_is_drawn_again_to_the_same_bytes() {
 }
 
 #[test]
-fn a_result_that_is_none_is_refused() {
+fn file_that_is_no_result_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let of_version = |version: u32| format!("{{\"format\":\"specval result\",\"format_version\":{version}}}");
     for (content, arguments, word) in [
@@ -427,4 +427,46 @@ fn every_reading_of_a_sample_without_the_normal_is_accounted_for() {
 
 fn rows_of(path: &Path, source: &str) -> Vec<csv::StringRecord> {
     rows(path).into_iter().filter(|row| &row[2] == source).collect()
+}
+
+/// Two samples and one without readings: the first normalises the curves, each has its own errors, and none changes the others.
+#[test]
+fn samples_are_compared_side_by_side() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("study.toml"), SMALL).unwrap();
+    fs::write(
+        folder.path().join("empty.csv"),
+        "theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b\n77,3,0.1,0.1,0.1\n",
+    )
+    .unwrap();
+    let first = ["report", "study.toml", "--measured", "merl-red-fabric"];
+    let others = ["--measured", "merl-red-fabric2", "--measured", "empty.csv"];
+    succeed(folder.path(), &[&first[..], &["--out", "one"]].concat());
+    let summary = succeed(folder.path(), &[&first[..], &others[..], &["--out", "all"]].concat());
+    for words in [
+        "model and classical against measured:",
+        "model and classical against measured-2:",
+        "fallback: sample empty has no reading at any geometry",
+    ] {
+        assert!(summary.contains(words), "{words}: {summary}");
+    }
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let (one, all) = (read("one/curves.csv"), read("all/curves.csv"));
+    let without: Vec<&str> = all.lines().filter(|line| !line.contains(",measured-2,")).collect();
+    assert_eq!(without, one.lines().collect::<Vec<_>>());
+    assert!(all.lines().count() > one.lines().count());
+    let document: Value = serde_json::from_str(&read("all/report.json")).unwrap();
+    assert_eq!(document["table1"][2]["row"], "measured-2");
+    assert_eq!(document["more_samples"].as_array().unwrap().len(), 2);
+    let alone: Value = serde_json::from_str(&read("one/report.json")).unwrap();
+    assert_eq!(document["normalisation"], alone["normalisation"]);
+    let other = &document["normalisation_to_others"]["measured-2"]["model"]["value"];
+    assert!(other.is_f64() && *other != alone["normalisation"]["model"]["value"]);
+    assert!(
+        read("all/graph1.svg").contains("merl-red-fabric2"),
+        "the legend names the second sample"
+    );
+    succeed(folder.path(), &["report", "--from", "all", "--out", "again"]);
+    assert_eq!(read("again/graph4.svg"), read("all/graph4.svg"));
+    assert_eq!(read("again/report.json"), read("all/report.json"));
 }

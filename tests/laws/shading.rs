@@ -16,7 +16,7 @@ fn direction(theta: f64, phi: f64) -> Vec3 {
 }
 
 #[test]
-fn facets_project_onto_the_whole_cloth() {
+fn facet_distribution_is_normalised() {
     for (distribution, m) in DISTRIBUTIONS
         .into_iter()
         .flat_map(|d| [0.02, 0.1, 0.3, 0.7, 1.0].map(|m| (d, m)))
@@ -105,7 +105,7 @@ fn white_furnace_never_gains_energy() {
 }
 
 #[test]
-fn fresnel_limits_show_in_the_gloss() {
+fn gloss_has_the_limits_of_fresnel() {
     // At normal incidence and view f = w ((n − 1)/(n + 1))² / (4 π m²).
     for distribution in DISTRIBUTIONS {
         let specular = Specular::new(distribution, 0.25, 1.557, 0.5).unwrap();
@@ -133,7 +133,7 @@ fn fresnel_limits_show_in_the_gloss() {
 }
 
 #[test]
-fn attenuation_is_blinns() {
+fn attenuation_follows_blinn() {
     // θ_l = 80°, θ_v = 70° on one side: h at 75°, v·h = cos 5°; G = 2 cos75° cos80° / cos5°.
     let m = 0.9;
     let (l, v) = (direction(80f64.to_radians(), 0.0), direction(70f64.to_radians(), 0.0));
@@ -176,7 +176,7 @@ fn parameters_out_of_range_are_refused() {
 }
 
 #[test]
-fn classical_is_the_sample_seen_head_on_plus_white_gloss() {
+fn classical_model_adds_white_gloss_to_the_normal_reading() {
     // Green below 0: a saturated red outside the gamut. The white of an illuminant that is not the RGB space's own.
     let (normal, white) = ([0.6, -0.02, 0.05, 0.13], [1.1, 0.98, 0.9, 1.0]);
     let specular = Specular::new(Distribution::Beckmann, 0.4, 1.557, 0.7).unwrap();
@@ -193,7 +193,7 @@ fn classical_is_the_sample_seen_head_on_plus_white_gloss() {
 }
 
 #[test]
-fn without_gloss_classical_looks_the_same_from_everywhere() {
+fn classical_model_without_gloss_is_lambert() {
     let none = Specular::new(Distribution::Beckmann, 0.4, 1.557, 0.0).unwrap();
     let normal = [0.37, 0.1, -0.01, 1.2];
     let classical = LambertCookTorrance::new(normal, none).unwrap();

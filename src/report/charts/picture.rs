@@ -21,7 +21,7 @@ pub struct Outline {
     pub approximations: bool,
 }
 
-/// A chart of the report: a row of [`super::list::CHARTS`].
+/// A chart of the report: a row of [`super::CHARTS`].
 pub struct Chart {
     /// Names of its pictures, without extension, in a report of this outline; none where it does not apply.
     pub names: fn(&Outline) -> Vec<String>,

@@ -4,6 +4,7 @@ use super::canvas::{
     Area, CAPTION_LINE, DrawingError, Drawn, MARGIN, PANEL_PX, PlotArea, SCALE, TEXT_PX, TICK_PX, TITLE_PX, at,
     chart_font, key_points, minus, text, tick_decimals, wrap,
 };
+use super::look::{Look, draw_band, draw_line, finite, look};
 use super::picture::{Chart, Drawing, files, png, svg};
 use crate::compare::{Channel, CurvePoint, Role, Source, SourceId};
 use crate::report::error::ReportError;
@@ -59,46 +60,6 @@ pub fn graphs(data: &ReportData) -> Vec<Graph<'_>> {
             data,
         })
         .collect()
-}
-
-/// How a source is told apart, in colour and in grey.
-#[derive(Clone, Copy)]
-struct Look {
-    colour: RGBColor,
-    /// Lengths of stroke and gap; `None` is a solid line.
-    dash: Option<(i32, i32)>,
-    width: i32,
-    band_opacity: f64,
-}
-
-/// Strokes and gaps of sources after the first of a role.
-const DASHES: [Option<(i32, i32)>; 4] = [None, Some((12, 7)), Some((3, 5)), Some((16, 4))];
-
-/// Look of source number `place` of a role, from 0. The first of each role has the role's own colour and line; later ones take the
-/// next shade and the next pattern of dashes.
-fn look(role: Role, place: usize) -> Look {
-    let (shades, first_dash, width, band_opacity) = match role {
-        Role::Model => (
-            [(20, 70, 160), (0, 135, 150), (105, 60, 170), (70, 120, 40)],
-            0,
-            3,
-            0.30,
-        ),
-        Role::Measured => ([(25, 25, 25), (120, 120, 120), (95, 70, 55), (60, 85, 90)], 1, 2, 0.16),
-        Role::Classical => ([(205, 85, 0), (190, 30, 60), (170, 125, 0), (200, 70, 150)], 2, 3, 0.22),
-    };
-    let (red, green, blue) = shades[place % shades.len()];
-    Look {
-        colour: RGBColor(red, green, blue),
-        dash: DASHES[(first_dash + place) % DASHES.len()],
-        width,
-        band_opacity,
-    }
-}
-
-/// A standard error to draw: none of one that is not known.
-fn finite(se: f64) -> f64 {
-    if se.is_finite() { se } else { 0.0 }
 }
 
 impl Graph<'_> {
@@ -187,8 +148,8 @@ impl Graph<'_> {
         if samples.is_empty() && self.data.readings.total > 0 {
             sentences.push("No measured curve: the sample has no reading at this incidence.".to_owned());
         }
-        // Curves are normalised to the first sample.
-        let first = self.data.samples.first().map(|sample| &sample.id);
+        // Curves are normalised to the first sample that was compared.
+        let first = self.data.normalisation.first().map(|of| &of.sample);
         let coefficients = || self.data.normalisation.iter().filter(|of| Some(&of.sample) == first);
         if let Some(at) = coefficients().next().map(|of| of.at) {
             let factors: Vec<String> = coefficients()
@@ -299,12 +260,12 @@ fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, graph: &Graph, width: i32) -
         root.draw(&Rectangle::new([at(x, y), at(x + SAMPLE, y + 20)], band))?;
         let ends = [at(x, y + 10), at(x + SAMPLE, y + 10)];
         match look.dash {
-            None => root.draw(&PathElement::new(ends, stroke(look)))?,
+            None => root.draw(&PathElement::new(ends, look.stroke()))?,
             Some((dash, gap)) => {
                 for start in (0..SAMPLE).step_by((dash + gap) as usize) {
                     let end = (start + dash).min(SAMPLE);
                     let piece = [at(x + start, y + 10), at(x + end, y + 10)];
-                    root.draw(&PathElement::new(piece, stroke(look)))?;
+                    root.draw(&PathElement::new(piece, look.stroke()))?;
                 }
             }
         }
@@ -411,46 +372,4 @@ fn draw_directions<DB: DrawingBackend>(
         chart.draw_series([label])?;
     }
     Ok(())
-}
-
-/// Half the width a single view is drawn with, degrees.
-const STUB_DEG: f64 = 2.0;
-
-/// Abscissa, value and standard error of a curve; a single view becomes a short level stroke that a band can be seen on.
-fn strokes(points: &[&CurvePoint]) -> Vec<(f64, f64, f64)> {
-    match points {
-        [point] => [-STUB_DEG, STUB_DEG]
-            .map(|shift| (point.theta_v_deg + shift, point.beta, finite(point.se)))
-            .to_vec(),
-        points => points.iter().map(|p| (p.theta_v_deg, p.beta, finite(p.se))).collect(),
-    }
-}
-
-fn draw_band<DB: DrawingBackend>(chart: &mut PlotArea<DB>, points: &[&CurvePoint], look: Look) -> Drawn<DB> {
-    let strokes = strokes(points);
-    if strokes.is_empty() || strokes.iter().any(|(_, _, se)| !se.is_finite()) {
-        return Ok(());
-    }
-    let upper: Vec<_> = strokes.iter().map(|(angle, beta, se)| (*angle, beta + se)).collect();
-    let lower: Vec<_> = strokes.iter().map(|(angle, beta, se)| (*angle, beta - se)).collect();
-    let outline: Vec<_> = upper.iter().chain(lower.iter().rev()).copied().collect();
-    let edge = look.colour.mix(0.5).stroke_width(SCALE as u32);
-    chart.draw_series([Polygon::new(outline, look.colour.mix(look.band_opacity).filled())])?;
-    chart.draw_series([upper, lower].map(|side| PathElement::new(side, edge)))?;
-    Ok(())
-}
-
-fn draw_line<DB: DrawingBackend>(chart: &mut PlotArea<DB>, points: &[&CurvePoint], look: Look) -> Drawn<DB> {
-    let line: Vec<_> = strokes(points).iter().map(|(angle, beta, _)| (*angle, *beta)).collect();
-    match look.dash {
-        None => chart.draw_series([PathElement::new(line, stroke(look))])?,
-        Some((dash, gap)) => chart.draw_series(DashedLineSeries::new(line, dash * SCALE, gap * SCALE, stroke(look)))?,
-    };
-    let dot = |point: &&CurvePoint| Circle::new((point.theta_v_deg, point.beta), 3 * SCALE, look.colour.filled());
-    chart.draw_series(points.iter().map(dot))?;
-    Ok(())
-}
-
-fn stroke(look: Look) -> ShapeStyle {
-    look.colour.stroke_width((look.width * SCALE) as u32)
 }

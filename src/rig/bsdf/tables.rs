@@ -49,7 +49,7 @@ impl FullBsdf {
         let system = ColourSystem::new(&self.grid, Convention::default())?;
         if colours != Colours::Spectral {
             system.require()?;
-            notices.extend(system.doubt().map(|why| format!("the colours are doubtful: {why}")));
+            notices.extend(system.notice());
         }
         let values = |spectrum: &[Estimate]| {
             let values: Vec<f64> = spectrum.iter().map(|f| f.value).collect();

@@ -1,6 +1,10 @@
 //! The classical models. One more is its own file and a row here.
 
-use super::{ClassicalModel, ShadingError, lambert_cook_torrance};
+mod lambert_cook_torrance;
+
+pub use lambert_cook_torrance::LambertCookTorrance;
+
+use super::{ClassicalModel, ShadingError};
 use crate::spectrum::UnknownName;
 
 static MODELS: &[&ClassicalModel] = &[&lambert_cook_torrance::MODEL];

@@ -1,5 +1,5 @@
-use super::{Basis, ClassicalModel, Parameter, ShadingError, ShadingModel, Specular};
 use crate::geometry::Vec3;
+use crate::shading::{Basis, ClassicalModel, Parameter, ShadingError, ShadingModel, Specular};
 
 /// The preprint's classical model.
 pub(super) static MODEL: ClassicalModel = ClassicalModel {
