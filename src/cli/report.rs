@@ -2,8 +2,11 @@ use super::inspect::Chosen;
 use super::notice::RunNotice;
 use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, inputs_of, recorded_command, study};
 use specval::formats::Scatter;
-use specval::output::ReportFolder;
-use specval::report::{Notice, Outline, ReportData, file_names, read_result, render, report_json, summary};
+use specval::output::{ReportFolder, Written};
+use specval::report::{
+    Notice, Outline, ReportData, file_names, is_of_report, read_result, render, report_json, result_json, result_path,
+    summary,
+};
 use specval::run::{self, Request, Simulator, Stage, StateFile, Sweep, Watch};
 use specval::sample::Sample;
 use specval::shading::DEFAULT_MODELS;
@@ -20,7 +23,8 @@ pub struct Arguments {
     /// Folder for the report; made if need be.
     #[arg(long, value_name = "DIR", default_value = "report")]
     out: PathBuf,
-    /// A twentieth of the paths and a ninth of the camera rays: seconds instead of minutes, wider error bands.
+    /// A twentieth of the paths, where --paths does not say how many, and a ninth of the camera rays: seconds instead of minutes,
+    /// wider error bands.
     #[arg(long)]
     quick: bool,
     /// Compare the ways to follow light in the cloth, each with the study's effort: approximations.csv and locality.csv. Minutes.
@@ -71,7 +75,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     }
     let mut notices = Vec::new();
     if arguments.quick {
-        quicken(&mut study);
+        quicken(&mut study, options.paths.is_none());
         notices.push(Notice::Quick);
     }
     let more = arguments.measured.get(1..).unwrap_or_default();
@@ -142,15 +146,24 @@ fn again(result: &Path, arguments: &Arguments, options: &Options, terminal: &Ter
         incidences: incidences(data.curves.iter().map(|point| point.theta_i_deg)),
         approximations: data.approximations.is_some(),
     });
-    // The folder that the result lies in is drawn anew: its own files may be replaced, the result by itself.
-    let folder = ReportFolder::prepare(&arguments.out, &names, &[], arguments.replace.force)?;
+    // A result may be drawn into its own folder, where it replaces itself; one that was changed since is the user's.
+    let file = result_path(result);
+    let unchanged = std::fs::read(&file).is_ok_and(|bytes| result_json(&data).is_ok_and(|own| own == bytes));
+    let inputs = if unchanged { Vec::new() } else { vec![file] };
+    let folder = ReportFolder::prepare(&arguments.out, &names, &inputs, arguments.replace.force)?;
     write(&data, &folder, terminal)?;
     show(&data, &folder, options, terminal)
 }
 
 fn write(data: &ReportData, folder: &ReportFolder, terminal: &Terminal) -> Result<(), Failure> {
-    for name in folder.write(&render(data)?)? {
+    let Written { removed, left } = folder.write(&render(data)?, is_of_report)?;
+    for name in removed {
         terminal.notice(RunNotice::Removed {
+            path: folder.path().join(name),
+        });
+    }
+    for name in left {
+        terminal.notice(RunNotice::Left {
             path: folder.path().join(name),
         });
     }
@@ -176,16 +189,19 @@ fn incidences(theta_i_deg: impl Iterator<Item = f64>) -> usize {
     incidences.len()
 }
 
-fn quicken(study: &mut Study) {
+/// A twentieth of the paths, but for a number that was asked for, and a ninth of the camera rays.
+fn quicken(study: &mut Study, fewer_paths: bool) {
     let batches = u64::from(study.trace.batches);
     let trace = &mut study.trace;
-    for paths in [
-        &mut trace.paths_bssrdf,
-        &mut trace.paths_direct,
-        &mut trace.particles,
-        &mut trace.particles_volumetric,
-    ] {
-        *paths = (*paths / 20).max(batches).min(*paths);
+    if fewer_paths {
+        for paths in [
+            &mut trace.paths_bssrdf,
+            &mut trace.paths_direct,
+            &mut trace.particles,
+            &mut trace.particles_volumetric,
+        ] {
+            *paths = (*paths / 20).max(batches).min(*paths);
+        }
     }
     study.rig.pixels_per_side = (study.rig.pixels_per_side / 3).max(4).min(study.rig.pixels_per_side);
 }

@@ -23,11 +23,11 @@ pub use error::ReportError;
 pub use json::report_json;
 pub use ledger::{LedgerRange, ledger_notice, ledger_ranges, ledger_table};
 pub use notice::{Fallback, GrazingGain, LongPaths, Notice, RatioOf, TableRatio};
-pub use render::{file_names, render};
+pub use render::{file_names, is_of_report, render};
 pub use result::{
     AskedEffort, Convention, EffortNote, InputDigest, PathsPerBatch, Provenance, ReachedPrecision, ReadingCount,
     ReportData, SampleNote,
 };
-pub use result_file::{RESULT, read_result, result_json};
+pub use result_file::{RESULT, read_result, result_json, result_path};
 pub use summary::{effort_line, summary};
 pub use tables::{approximations_csv, curves_csv, energy_csv, locality_csv, table1_csv, table1_markdown};

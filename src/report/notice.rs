@@ -97,6 +97,13 @@ pub enum Notice {
     },
     /// The model is known too badly for verdicts.
     VerdictsWithheld,
+    /// Paths a tilt, and those from which verdicts are given.
+    FewPaths {
+        paths: usize,
+        least: usize,
+    },
+    /// Every batch of the model is black at every geometry.
+    NoModelLight,
     /// Rows of the energy ledger with fractions beyond 0 to 1.
     LedgerNoise {
         noisy: usize,
@@ -239,6 +246,14 @@ impl Display for Notice {
                 "too few paths: the model's luminance is known to no better than a quarter of its value, so verdicts are withheld; \
                  take more --paths",
             ),
+            Self::FewPaths { paths, least } => write!(
+                f,
+                "too few paths: {paths} a tilt leave out the rare bright ones, so that standard errors are too small and verdicts are \
+                 withheld; take --paths {least} or more"
+            ),
+            Self::NoModelLight => {
+                f.write_str("the model sends no light to any view: there is nothing to normalise or to compare")
+            }
             Self::LedgerNoise { noisy, rows } => write!(
                 f,
                 "too few paths: fractions of the energy ledger beyond 0 to 1 in {noisy} of {rows} rows, see their standard errors; \
@@ -250,10 +265,10 @@ impl Display for Notice {
                 paths,
             } => write!(
                 f,
-                "BLUE/RED of the model has a standard error of {:.1} %: for 5 % it takes about {times:.1} times the paths of this \
-                 run, {:.0} a tilt in place of {paths}, and as many times the tracing time",
+                "BLUE/RED of the model has a standard error of {1:.1} %: for 5 % it takes about {times:.1} times the paths of this \
+                 run, {0} a tilt in place of {paths} (`--paths {0}`), and as many times the tracing time",
+                (*paths as f64 * times).ceil(),
                 100.0 * relative_se,
-                *paths as f64 * times
             ),
             Self::Sweep { media, paths, batches } => {
                 write!(f, "sweep: {media} media, each with {paths} paths a tilt in {batches} batches")

@@ -31,6 +31,17 @@ pub fn file_names(outline: &Outline) -> Vec<String> {
         .collect()
 }
 
+/// Whether reports have files of this name.
+pub fn is_of_report(name: &str) -> bool {
+    /// More than a sample's geometries are thinned to.
+    const MANY: usize = 500;
+    let every = Outline {
+        incidences: MANY,
+        approximations: true,
+    };
+    file_names(&every).iter().any(|known| known == name)
+}
+
 /// Every file of the report, tables first.
 pub fn render(data: &ReportData) -> Result<Vec<NamedFile>, ReportError> {
     let file = |name: &str, bytes| NamedFile {

@@ -4,7 +4,7 @@ use super::{Plan, RunError, Sweep};
 use crate::compare::{ColourRatios, Comparison, RatioRanges, Role, Table1, Table1Row, Table1Source};
 use crate::report::{Notice, RatioOf, SampleNote, TableRatio};
 use crate::sample::{PublishedRatios, published_ratios};
-use crate::study::MediumSection;
+use crate::study::Study;
 
 /// The rows; `model` are the ratios at the study's own parameters.
 pub(super) fn rows(
@@ -15,8 +15,17 @@ pub(super) fn rows(
     (comparison, samples): (&Comparison, &[SampleNote]),
     notices: &mut Vec<Notice>,
 ) -> Result<Vec<Table1Row>, RunError> {
-    // The preprint's own ratios say nothing of a cloth of another dye.
-    let is_preprint = plan.study.medium.dye == MediumSection::default().dye;
+    // The preprint's own ratios say nothing of another cloth.
+    let Study {
+        medium,
+        yarn,
+        weft,
+        cloth,
+        ..
+    } = &plan.study;
+    let built_in = Study::default();
+    let is_preprint =
+        (medium, yarn, weft, cloth) == (&built_in.medium, &built_in.yarn, &built_in.weft, &built_in.cloth);
     let published = is_preprint.then(published_ratios).transpose()?;
     let measured = comparison
         .colour_ratios

@@ -262,7 +262,7 @@ fn report_is_reproducible_and_written_whole() {
     );
     let folder = ReportFolder::prepare(&scratch.path().join("deep/er"), &names, &[], false).unwrap();
     for _ in 0..2 {
-        folder.write(&files).unwrap();
+        folder.write(&files, |_| false).unwrap();
         let mut found: Vec<_> = std::fs::read_dir(folder.path())
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -298,9 +298,11 @@ fn a_failed_write_leaves_the_earlier_report_alone() {
         name: name.to_owned(),
         bytes: bytes.to_vec(),
     };
-    folder.write(&[file("a", b"old")]).unwrap();
+    folder.write(&[file("a", b"old")], |_| false).unwrap();
     std::fs::create_dir(scratch.path().join("b")).unwrap();
-    let error = folder.write(&[file("a", b"new"), file("b", b"new")]).unwrap_err();
+    let error = folder
+        .write(&[file("a", b"new"), file("b", b"new")], |_| false)
+        .unwrap_err();
     assert!(matches!(error, OutputError::FolderInTheWay { .. }), "{error}");
     assert_eq!(std::fs::read(scratch.path().join("a")).unwrap(), b"old");
     // A name the file system refuses fails while staging; again nothing changes.
