@@ -42,7 +42,7 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Approximations,
     let geometries = report_geometries(plan);
     let of = |geometry: usize| geometries[geometry].theta_i_deg;
     let simulated = |method, bounces| -> Result<Vec<Vec<Channels>>, RunError> {
-        let plan = Plan::new(variant(&plan.study, method, bounces))?;
+        let plan = Plan::with_sample(variant(&plan.study, method, bounces), plan.chosen)?;
         let simulator = Simulator::new(&plan, geometries.clone())?;
         let mut diffuse = Vec::new();
         for batch in 0..plan.direct_effort.batches {

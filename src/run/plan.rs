@@ -42,6 +42,8 @@ pub struct Plan {
     pub pixels: PixelSamples,
     pub colour: ColourSystem,
     pub sample: Sample,
+    /// Component of the sample that was asked for.
+    pub(super) chosen: Chosen,
     /// Digests of the tables and files that went in.
     pub inputs: Vec<InputDigest>,
 }
@@ -107,6 +109,7 @@ impl Plan {
             pixels: PixelSamples::new(pixels, pixels)?,
             colour: ColourSystem::new(&grid, convention)?,
             sample,
+            chosen,
             inputs,
             grid,
             study,

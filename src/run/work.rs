@@ -183,7 +183,7 @@ impl Plan {
         ] {
             *paths = (*paths).max(batches);
         }
-        Ok((Self::new(study)?, parts))
+        Ok((Self::with_sample(study, self.chosen)?, parts))
     }
 
     /// Seconds of one batch on one core: those in proportion to its paths, and the others.
@@ -236,5 +236,23 @@ fn scatterings(yarn: &Yarn) -> f64 {
             longest * mean(&|w| medium.mu_s_per_mm()[w])
         }
         Estimator::Independent => mean(&|w| way_mm(w) * medium.mu_s_per_mm()[w]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::Side;
+    use crate::sample::Chosen;
+
+    #[test]
+    fn smaller_batches_keep_the_component_that_was_chosen() {
+        let chosen = Chosen {
+            side: Some(Side::Front),
+            ..Chosen::default()
+        };
+        let plan = Plan::with_sample(Study::default(), chosen).unwrap();
+        let (split, parts) = plan.split_for(Duration::from_millis(1), Stage::Views).unwrap();
+        assert!(parts > 1 && split.chosen == chosen, "{parts} {:?}", split.chosen);
     }
 }
