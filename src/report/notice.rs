@@ -65,6 +65,11 @@ pub enum Notice {
         section: String,
         doubt: Doubt,
     },
+    /// Angles of a key of the study that look like radians.
+    StudyAngles {
+        key: String,
+        doubt: Doubt,
+    },
     LongPaths {
         paths: LongPaths,
     },
@@ -195,6 +200,7 @@ impl Display for Notice {
             }
             Self::OldKey { words } => f.write_str(words),
             Self::ParticleDiameter { section, doubt } => write!(f, "`{section}.particle_diameter_nm`: {doubt}"),
+            Self::StudyAngles { key, doubt } => write!(f, "`{key}`: {doubt}"),
             Self::LongPaths { paths } => paths.fmt(f),
             Self::LongRun {
                 seconds,
