@@ -3,7 +3,7 @@
 use specval::rig::{omega_in, omega_out};
 use specval::run::Plan;
 use specval::sample::Sample;
-use specval::shading::{Classical, ShadingModel};
+use specval::shading::{Basis, classical_model};
 use specval::study::Study;
 use std::collections::BTreeMap;
 
@@ -13,7 +13,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sample = Sample::load(&name)?;
     let reading = |i, v| sample.reading(i, v, plan.colour.convention());
     let normal = reading(0.0, 0.0)?.ok_or("the sample has no reading at normal incidence and view")?;
-    let model = Classical::new(normal.beta, plan.specular)?;
+    let model = classical_model("lambert-cook-torrance")?.of(&Basis {
+        normal: normal.beta,
+        specular: plan.specular,
+    })?;
     let mut by_incidence: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
     for (theta_i, theta_v) in sample.geometries() {
         let Some(measured) = reading(theta_i, theta_v)? else {

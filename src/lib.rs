@@ -12,7 +12,7 @@
 //! - `spectrum`: wavelength grids, spectra, built-in tables
 //! - `colour`: observers, illuminants, RGB spaces, the one conversion
 //! - `optics`: Fresnel, Mie, phase functions, medium
-//! - `shading`: shading about a normal: Cook–Torrance, classical models, fibres
+//! - `shading`: shading about a normal: Cook–Torrance, classical models by id, fibres
 //! - `transport`: the Monte Carlo kernel, its ledger and its statistics
 //! - `validate`: reference problems of optics and transport
 //! - `yarn`: light in one yarn: BSSRDF and yarn response f*
@@ -22,7 +22,7 @@
 //! - `weave`: drafts by name or from files
 //! - `rig`: directions, camera rays and brightness factors
 //! - `sample`: a measurement to compare with
-//! - `compare`: errors, ratios and verdicts
+//! - `compare`: sources, errors, ratios, verdicts, Table 1
 //! - `study`: the keys of a study
 //! - `report`: the result: written, read back, drawn
 //! - `run`: a whole study from its values to its result

@@ -8,13 +8,13 @@ use std::path::PathBuf;
 pub struct Difference {
     /// Names from the outside in, such as `trace.batches` or `rig.incidences_deg.2`.
     pub key: String,
-    /// Value of the identity that was asked, as JSON, or `absent`.
+    /// Value in the identity that is compared, as JSON, or `absent`.
     pub here: String,
     /// Value of the other.
     pub there: String,
 }
 
-/// Why a file was not written, or not taken.
+/// Why a file was not written or not accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum ArtefactError {
     #[error("{}: cannot be read; name a file that is there and that you may read", path.display())]
@@ -23,14 +23,14 @@ pub enum ArtefactError {
         #[source]
         cause: io::Error,
     },
-    /// What stood there before is untouched.
+    /// A file that was there before is untouched.
     #[error("{}: cannot be written; name a place you may write to, or mend its permissions and free space", path.display())]
     NotWritable {
         path: PathBuf,
         #[source]
         cause: io::Error,
     },
-    /// No place for an output.
+    /// The output has no valid place.
     #[error(transparent)]
     Output(OutputError),
     #[error("{}: expected a file, found a folder or a device; name a file", path.display())]
@@ -70,7 +70,7 @@ pub enum ArtefactError {
         kind: Kind,
         differences: Vec<Difference>,
     },
-    /// The file is sound, and holds something else than was asked for.
+    /// The file is intact but holds another array than the one that is read.
     #[error("{}: array `{array}`: expected {expected}, found {found}; {}", path.display(), kind.remedy())]
     Array {
         path: PathBuf,
@@ -79,7 +79,7 @@ pub enum ArtefactError {
         expected: String,
         found: String,
     },
-    /// What was handed over to be written does not fit what was declared. What stood there before is untouched.
+    /// Values to write do not match the declared arrays. A file that was there before is untouched.
     #[error("{}: not written: expected {expected}, found {found}", path.display())]
     Undeclared {
         path: PathBuf,
@@ -90,7 +90,7 @@ pub enum ArtefactError {
     Identity { expected: &'static str, found: String },
 }
 
-/// Differences named in a message; the rest is counted.
+/// Differences that a message names; it counts the others.
 const NAMED: usize = 4;
 
 /// Characters of a value in a message.

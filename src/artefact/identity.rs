@@ -2,14 +2,14 @@ use super::{ArtefactError, Difference};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// All that must be equal for two files to belong together: program version, seed, study, and whatever else the command
-/// was told that changes its numbers.
+/// Everything that must be equal for two files to belong together: program version, seed, study, and every other
+/// argument of the command that changes its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identity(Value);
 
 impl Identity {
-    /// `settings` are fields with names, such as a study; this program's version and the seed are put beside them as
-    /// `version` and `seed`. JSON knows no infinities and no NaN: both become null.
+    /// `settings` are named fields, such as a study; this program's version and the seed are added as `version` and
+    /// `seed`. JSON has no infinities and no NaN: both become null.
     pub fn new(seed: u64, settings: &impl Serialize) -> Result<Self, ArtefactError> {
         const EXPECTED: &str = "settings that JSON can hold, each with a name";
         let wrong = |found| ArtefactError::Identity {
@@ -48,7 +48,7 @@ impl Identity {
     }
 }
 
-/// Goes down only where both sides have the same build, so that a list of another length is told as a whole.
+/// Descends only where both sides have the same structure, so that a list of another length is reported as a whole.
 fn compare(key: &str, here: Option<&Value>, there: Option<&Value>, found: &mut Vec<Difference>) {
     let below = |name: &str| {
         if key.is_empty() {

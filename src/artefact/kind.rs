@@ -14,9 +14,9 @@ pub(super) const MAGIC_LIMIT: u64 = 64;
 pub enum Kind {
     /// The result of a whole run.
     Artefact,
-    /// The result of a part of a run, to be added to others.
+    /// The result of a part of a run, to be merged with the others.
     Shard,
-    /// Where an unfinished run stands.
+    /// The state of an unfinished run.
     State,
 }
 
@@ -32,7 +32,7 @@ impl Kind {
         }
     }
 
-    /// What to do about one that is of no use.
+    /// What the user does about a file that cannot be used.
     pub(super) fn remedy(self) -> &'static str {
         match self {
             Kind::Artefact => "make the artefact again",
@@ -58,7 +58,7 @@ impl fmt::Display for Kind {
 }
 
 impl Kind {
-    /// What a file says it is; `None` for a file that is none of this program's.
+    /// Kind named in a file's first line; `None` for a file that this program did not write.
     pub fn of(path: &Path) -> Option<Self> {
         let mut head = Vec::new();
         let file = File::open(path).ok()?;

@@ -4,8 +4,8 @@ use serde_json::Value;
 use std::fmt;
 use std::io::{self, Write};
 
-/// Bytes of the longest line of JSON that is written or read. A file whose line has lost its end is thus told without
-/// taking all of it into memory.
+/// Bytes of the longest line of JSON that is written or read. A file whose line has lost its end is thus refused
+/// without reading all of it into memory.
 pub(super) const HEADER_LIMIT: u64 = 1 << 26;
 
 /// Type of an array's elements in the file.
@@ -37,14 +37,14 @@ impl fmt::Display for ElementType {
     }
 }
 
-/// What arrays are made of: f64, f32 or u64, each kept bit for bit.
+/// Element of an array: f64, f32 or u64, each stored bit for bit.
 pub trait Element: Copy + Default + sealed::Sealed {
     const TYPE: ElementType;
 
     #[doc(hidden)]
     fn write_le(self, output: &mut impl Write) -> io::Result<()>;
 
-    /// As many values as there are bytes for.
+    /// Fills `values` from as many elements of bytes.
     #[doc(hidden)]
     fn read_le(bytes: &[u8], values: &mut [Self]);
 }
@@ -89,7 +89,7 @@ pub struct ArrayInfo {
 }
 
 impl ArrayInfo {
-    /// Elements in all; none where no memory could hold so many.
+    /// Number of elements; `None` if it overflows.
     pub(super) fn count(&self) -> Option<usize> {
         self.shape.iter().try_fold(1_usize, |n, &side| n.checked_mul(side))
     }
@@ -111,7 +111,7 @@ pub(super) struct Head {
 }
 
 impl Head {
-    /// The header of a line of JSON, if its arrays lie one after the other; else what is found instead.
+    /// Parses the line of JSON. The arrays must follow each other without gaps; the error says what was found instead.
     pub fn parse(json: &[u8]) -> Result<Self, String> {
         if !json.ends_with(b"\n") {
             return Err(format!("no end of its header within {} bytes", json.len()));
@@ -137,7 +137,7 @@ pub(super) struct Placed {
     pub length: u64,
 }
 
-/// Arrays one after the other, each with its own name, or what stands against it.
+/// Places arrays one after the other. The error says why they cannot be placed, such as two of one name.
 pub(super) fn place(arrays: &[ArrayInfo]) -> Result<Vec<Placed>, String> {
     let mut offset = 0_u64;
     let mut placed: Vec<Placed> = Vec::with_capacity(arrays.len());
@@ -168,7 +168,7 @@ pub(super) fn place(arrays: &[ArrayInfo]) -> Result<Vec<Placed>, String> {
     Ok(placed)
 }
 
-/// Bytes of a file with these arrays, `before` of them in its two lines.
+/// Bytes of a file with these arrays whose two lines take `before` bytes.
 pub(super) fn size(before: u64, arrays: &[Placed]) -> u64 {
     before + arrays.last().map_or(0, |last| last.offset + last.length) + CHECKSUM as u64
 }

@@ -3,15 +3,15 @@
 //! A file is, in this order:
 //!
 //! 1. the line `specval-artefact 1`, `specval-shard 1` or `specval-state 1`: its [`Kind`] and the format's version;
-//! 2. one line of JSON: `version` (of the program), `identity` (all that must be equal for two files to belong
-//!    together, see [`Identity`]), `header` (whatever the caller adds), and `arrays`, each with `name`, `unit`, `axes`,
+//! 2. one line of JSON: `version` (of the program), `identity` (everything that must be equal for two files to belong
+//!    together, see [`Identity`]), `header` (added by the caller), and `arrays`, each with `name`, `unit`, `axes`,
 //!    `shape`, `element` (`f64`, `f32` or `u64`), `offset` and `length`, both in bytes, the offset counted from the end
 //!    of this line;
 //! 3. the arrays, one after the other in that order, little-endian, last axis fastest;
-//! 4. the SHA-256 of all before it, 32 bytes.
+//! 4. the SHA-256 of everything before it, 32 bytes.
 //!
-//! [`Writer`] puts a file in its place whole or not at all, and [`Reader`] hands out nothing of a file before its
-//! size and checksum are found right. Neither holds more of an array in memory than its caller does.
+//! [`Writer`] writes a file whole or not at all, and [`Reader`] returns no value before it has verified the file's size
+//! and checksum. Neither holds more of an array in memory than its caller does.
 
 mod error;
 mod identity;
@@ -36,7 +36,7 @@ const BUFFER: usize = 1 << 16;
 /// Bytes of a SHA-256.
 const CHECKSUM: usize = 32;
 
-/// Passes bytes on and keeps their checksum.
+/// Forwards bytes and updates their checksum.
 #[derive(Debug)]
 struct Hashed<W> {
     inner: W,

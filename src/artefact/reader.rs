@@ -6,7 +6,7 @@ use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// A file found whole and sound. Reading never writes.
+/// A file whose size and checksum have been verified. Reading never writes.
 #[derive(Debug)]
 pub struct Reader {
     path: PathBuf,
@@ -28,14 +28,14 @@ impl Reader {
         }
     }
 
-    /// Opens a file of this kind and goes once through all of it for its size and checksum.
+    /// Opens a file of this kind and reads all of it once to verify its size and checksum.
     pub fn open(path: impl Into<PathBuf>, kind: Kind) -> Result<Self, ArtefactError> {
         let path = path.into();
         let not_readable = |cause| ArtefactError::NotReadable {
             path: path.clone(),
             cause,
         };
-        // Asked before opening, which would wait for ever at a pipe.
+        // Checked first, because opening a pipe would block for ever.
         if !fs::metadata(&path).map_err(not_readable)?.is_file() {
             return Err(ArtefactError::NotAFile { path });
         }
@@ -95,7 +95,7 @@ impl Reader {
         &self.head.version
     }
 
-    /// SHA-256 of all of the file before that checksum, in hexadecimal.
+    /// SHA-256 of the file without its trailing checksum, in hexadecimal.
     pub fn sha256(&self) -> String {
         self.checksum.iter().map(|byte| format!("{byte:02x}")).collect()
     }
@@ -104,7 +104,7 @@ impl Reader {
         &self.head.identity
     }
 
-    /// What the writer was given as its header.
+    /// The header that was passed to the writer.
     pub fn header(&self) -> &Value {
         &self.head.header
     }
@@ -127,17 +127,17 @@ impl Reader {
         })
     }
 
-    /// A whole array.
+    /// Reads a whole array.
     pub fn array<T: Element>(&mut self, name: &str, shape: &[usize]) -> Result<Vec<T>, ArtefactError> {
-        // Checked before the memory is taken: the file's own size bounds what is asked for.
+        // Checked before memory is allocated, which the size of the file then bounds.
         let count = self.find::<T>(name, shape)?.info.count().unwrap_or(0);
         let mut values = vec![T::default(); count];
         self.read_part(name, shape, 0, &mut values)?;
         Ok(values)
     }
 
-    /// Part of an array, as many values as there is room for, from the value numbered `first` in the order of the file.
-    /// For arrays, or many files at once, that memory should not hold.
+    /// Fills `values` from the value numbered `first` in the order of the file, for arrays that are too large for
+    /// memory.
     pub fn read_part<T: Element>(
         &mut self,
         name: &str,
@@ -196,7 +196,7 @@ impl Reader {
     }
 }
 
-/// Bytes up to and with the next end of line, fewer where none comes in time.
+/// Bytes up to and including the next end of line, or `limit` bytes where there is none before.
 fn line(input: &mut impl BufRead, limit: u64) -> io::Result<Vec<u8>> {
     let mut line = Vec::new();
     input.take(limit).read_until(b'\n', &mut line)?;
@@ -238,7 +238,7 @@ fn parse_magic(line: &[u8]) -> Option<(Kind, u64)> {
     let line = std::str::from_utf8(line).ok()?.strip_suffix('\n')?;
     let (word, version) = line.strip_prefix("specval-")?.split_once(' ')?;
     let kind = Kind::ALL.into_iter().find(|kind| kind.word() == word)?;
-    // One spelling of each number, as it is written.
+    // Only the spelling that this program writes: no sign, no leading zeros.
     let number = version.parse().ok().filter(|n: &u64| n.to_string() == version)?;
     Some((kind, number))
 }

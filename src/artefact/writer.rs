@@ -12,15 +12,14 @@ pub struct Writer {
     /// As the caller named it.
     path: PathBuf,
     arrays: Vec<Placed>,
-    /// The array being written and how many of its values are.
+    /// The array being written, and how many of its values have been written.
     current: usize,
     written: usize,
     failed: bool,
 }
 
 impl Writer {
-    /// Writes the header. `header` is whatever the reader should find beside the arrays; `arrays` are written with
-    /// [`Writer::append`] in this order.
+    /// Writes the header. `header` is stored beside the arrays; [`Writer::append`] writes the `arrays` in this order.
     pub fn create(
         path: impl Into<PathBuf>,
         kind: Kind,
@@ -52,7 +51,7 @@ impl Writer {
             let found = format!("{} bytes; write large tables as arrays", lines.len() - magic);
             return Err(undeclared(format!("a header of at most {HEADER_LIMIT} bytes"), found));
         }
-        // JSON too deep to be read back must fail now, not after the run.
+        // JSON that is nested too deeply to be read back must fail now, not after the run.
         Head::parse(&lines[magic..]).map_err(|found| undeclared("a header that can be read back".into(), found))?;
         let output = Place::find(&path).and_then(|place| Output::create(&place));
         let mut output = BufWriter::with_capacity(BUFFER, Hashed::new(output.map_err(not_written)?));
@@ -67,14 +66,14 @@ impl Writer {
         })
     }
 
-    /// Writes the next values of an array, from its first to its last in any number of calls. An array must be complete
-    /// before the next one begins. After an error the file can no longer be finished.
+    /// Writes the next values of an array, in any number of calls. An array must be complete before the next one
+    /// begins. After an error the file can no longer be finished.
     pub fn append<T: Element>(
         &mut self,
         array: &str,
         values: impl IntoIterator<Item = T>,
     ) -> Result<(), ArtefactError> {
-        // Until all went well; a panic inside the iterator counts too.
+        // Cleared only on success, so that a panic inside the iterator counts as a failure too.
         let failed_before = std::mem::replace(&mut self.failed, true);
         self.begin::<T>(array)?;
         let count = self.count();
@@ -106,7 +105,7 @@ impl Writer {
         output.finish().map_err(not_written)
     }
 
-    /// Moves on to this array if its turn has come.
+    /// Makes this array the current one if it is next.
     fn begin<T: Element>(&mut self, array: &str) -> Result<(), ArtefactError> {
         self.skip_complete(Some(array));
         match self.arrays.get(self.current) {
@@ -125,7 +124,7 @@ impl Writer {
         }
     }
 
-    /// Passes the arrays that are complete, up to one of this name.
+    /// Skips complete arrays, up to one of this name.
     fn skip_complete(&mut self, until: Option<&str>) {
         while let Some(array) = self.arrays.get(self.current)
             && Some(array.info.name.as_str()) != until

@@ -181,7 +181,7 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
             cells
         })
         .collect();
-    let (games, seen): (Vec<_>, Vec<_>) = batches.into_iter().map(|[games, seen]| (games, seen)).unzip();
+    let (nets, seen): (Vec<_>, Vec<_>) = batches.into_iter().map(|[net, seen]| (net, seen)).unzip();
     let n = ABSORBING.len();
     let tolerance = plan.study.check.cloth * context.widening;
     let at = |i: usize, sides: usize| {
@@ -191,7 +191,7 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
     };
     Ok([
         entering(context, &grid)?,
-        judge.zero(BOUNCES, &games, tolerance, |i| at(i, 1)),
+        judge.zero(BOUNCES, &nets, tolerance, |i| at(i, 1)),
         judge.zero(VIEWS, &seen, SEEN * tolerance, |i| at(i, SIDES.len())),
     ])
 }
@@ -249,7 +249,7 @@ fn views(seed: u64, batch: usize, round: usize) -> ViewCones {
 fn of_beam(light: &YarnToYarn, connected: &Connected, beam: &Beam, batch: usize, particles: usize) -> [Vec<f64>; 2] {
     let (beta, ledger) = light.between(beam, connected, batch, particles);
     let straight = light.straight(beam, &Sides, batch, particles);
-    let games = ledger.iter().map(|ledger| ledger[ClothFraction::SamplingNet]).collect();
+    let nets = ledger.iter().map(|ledger| ledger[ClothFraction::SamplingNet]).collect();
     let mut seen = Vec::with_capacity(SIDES.len() * ABSORBING.len());
     for (side, (beta, straight)) in beta.chunks_exact(VIEWS_OF_ROUND).zip(straight).enumerate() {
         for (w, straight) in straight.into_iter().enumerate() {
@@ -267,7 +267,7 @@ fn of_beam(light: &YarnToYarn, connected: &Connected, beam: &Beam, batch: usize,
         .map(|w| seen[w] + seen[ABSORBING.len() + w])
         .collect();
     seen.extend(both);
-    [games, seen]
+    [nets, seen]
 }
 
 const GOLDEN: f64 = 0.618_033_988_749_894_9;

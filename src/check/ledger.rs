@@ -1,4 +1,4 @@
-//! Where the light went: the energy ledger of every wavelength and incident direction, and the white furnace.
+//! Energy ledger of every wavelength and incident direction, and the white furnace.
 
 use super::gate::{Gate, Law, Place, estimates};
 use super::{CheckError, Context, Quantity};
@@ -28,11 +28,12 @@ const FURNACE: Law = Law {
     words: "with absorption off nothing is absorbed and all light comes back",
 };
 
-/// Roulette that nearly every path plays at nearly every step, and mostly survives, so that a bias shows.
-const PLAYED_BELOW: f64 = 0.99;
-const PLAYED_SURVIVAL: f64 = 0.8;
+/// Russian roulette that applies to nearly every path at nearly every step, with a high survival probability, so that a
+/// bias shows.
+const FREQUENT_BELOW: f64 = 0.99;
+const FREQUENT_SURVIVAL: f64 = 0.8;
 
-/// Batches and paths of ledgers that close to rounding, whatever their number.
+/// Batches and paths of ledgers that close to rounding with any number of paths.
 const CLOSING: (usize, u64) = (2, 128);
 
 /// Fractions whose means a baseline is compared in; the nets, which are 0 in the mean, have gates of their own.
@@ -88,17 +89,17 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
         let taken = of_cells(|ledger| ledger[Fraction::MisNet]);
         gates.push(judge.zero(SHARING, &taken, tolerance, |i| place(context, i)));
     }
-    let played = Yarn {
-        roulette: Roulette::new(PLAYED_BELOW, PLAYED_SURVIVAL)?,
+    let frequent = Yarn {
+        roulette: Roulette::new(FREQUENT_BELOW, FREQUENT_SURVIVAL)?,
         estimator: plan.yarn.estimator,
         ..furnace
     };
     let half = Effort::new(plan.study.seed, context.batches, paths / 2)?;
-    let played = traced(context, &played, half)?;
+    let frequent = traced(context, &frequent, half)?;
     let net = |ledger: &Ledger| ledger[Fraction::RouletteNet];
     let mut nets = means(&net);
-    for (own, played) in zip(&mut nets, means_over_directions(context, &played, &net)) {
-        own.extend(played);
+    for (own, frequent) in zip(&mut nets, means_over_directions(context, &frequent, &net)) {
+        own.extend(frequent);
     }
     let tolerance = check.roulette * context.widening;
     gates.push(judge.zero(ROULETTE, &nets, tolerance, |i| {
@@ -124,7 +125,7 @@ pub fn white_yarn(context: &Context) -> Result<Yarn, CheckError> {
     Ok(context.plan.yarn_of(&white)?)
 }
 
-/// Mean over all directions, mirrored ones alike: [batch][wavelength].
+/// Mean over the traced directions, which mirrored ones repeat: [batch][wavelength].
 fn means_over_directions(context: &Context, batches: &[Vec<Ledger>], of: &dyn Fn(&Ledger) -> f64) -> Vec<Vec<f64>> {
     let wavelengths = context.plan.grid.len();
     let share = 1.0 / context.plan.incident.traced() as f64;
@@ -144,17 +145,17 @@ fn traced(context: &Context, yarn: &Yarn, effort: Effort) -> Result<Vec<Vec<Ledg
     Ok((0..effort.batches).map(|batch| tracer.batch(batch).ledgers).collect())
 }
 
-/// Of traced direction × wavelength, over and over for every batch.
+/// Place of value i of batch × traced direction × wavelength.
 fn place(context: &Context, i: usize) -> Place {
     let plan = context.plan;
     let (wavelengths, traced) = (plan.grid.len(), plan.incident.traced());
     let direction = i / wavelengths % traced;
     let all = 0..plan.incident.len();
-    let shown = all
+    let named = all
         .into_iter()
         .find(|&k| plan.incident.representative(k).0 == direction)
         .unwrap_or(direction);
-    let [theta, phi] = plan.incident.angles_deg(shown);
+    let [theta, phi] = plan.incident.angles_deg(named);
     Place::new(
         plan.grid.nm()[i % wavelengths],
         format!("theta_in {theta} deg, phi_in {phi} deg"),

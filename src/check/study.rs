@@ -81,7 +81,7 @@ pub fn study(plan: &Plan, effort: CheckEffort, progress: Progress) -> Result<Che
     gates.push(tables::bssrdf(context)?);
     let mut cloth = ClothEnergy::new(context);
     gates.extend(tables::direct(context, |batch| cloth.add(batch))?);
-    gates.push(tables::two_roads(context)?);
+    gates.push(tables::two_estimators(context)?);
     progress(0.2);
     gates.extend(symmetry::gates(context)?);
     gates.push(woven::ledger(context)?);

@@ -1,4 +1,4 @@
-//! BSSRDF and f*: both integrate to the ledger's scattered light, and the two roads to f* lead to the same.
+//! BSSRDF and f*: both integrate to the ledger's scattered light, and both estimators of f* agree.
 
 use super::gate::{Gate, Law, Place};
 use super::{CheckError, Context};
@@ -20,7 +20,7 @@ const PASSAGES: Law = Law {
     words: "what comes in at one place of the section and leaves at another adds up to the ledger's scattered light",
 };
 pub const ROADS: Law = Law {
-    name: "two-roads",
+    name: "two-estimators",
     words: "f* summed from the BSSRDF over the lit surface sends out the light that a parallel beam does",
 };
 
@@ -142,12 +142,12 @@ pub fn bssrdf(context: &Context) -> Result<Gate, CheckError> {
     }))
 }
 
-/// Tilts, and azimuths around the yarn (lit side, rim, far side), of which the two roads are compared.
+/// Tilts, and azimuths around the yarn (lit side, rim, far side), in which the two estimators of f* are compared.
 const ROAD_TILTS: usize = 4;
 const ROAD_AZIMUTHS: usize = 12;
 const ROAD_SIDES: usize = 3;
 
-pub fn two_roads(context: &Context) -> Result<Gate, CheckError> {
+pub fn two_estimators(context: &Context) -> Result<Gate, CheckError> {
     let Context { plan, judge, .. } = context;
     let wavelengths = plan.grid.len();
     let surface = SurfaceGrid::new(ROAD_AZIMUTHS, 1, 4)?;
@@ -185,7 +185,7 @@ pub fn two_roads(context: &Context) -> Result<Gate, CheckError> {
             cells
         })
         .collect();
-    let tolerance = plan.study.check.two_roads * context.widening;
+    let tolerance = plan.study.check.two_estimators * context.widening;
     Ok(judge.zero(ROADS, &differences, tolerance, |i| {
         let cell = i / wavelengths;
         let side = ["lit side", "rim", "far side"][cell % ROAD_SIDES];

@@ -94,7 +94,7 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     system
         .require()
         .map_err(|e| format!("{}: {e}", arguments.file.display()))?;
-    notices.extend(system.doubt().map(|why| format!("the colours are doubtful: {why}")));
+    notices.extend(system.notice());
     for notice in &notices {
         terminal.notice(notice);
     }

@@ -1,4 +1,4 @@
-//! What a command tells of its own run beside what the library tells of the result.
+//! Notices of a command on its own run; those on the result are [`specval::report::Notice`].
 
 use super::in_words;
 use std::fmt::{self, Display, Formatter};
@@ -14,6 +14,8 @@ pub enum RunNotice {
     NoState { state: PathBuf },
     /// A file of an earlier report that this one does not have.
     Removed { path: PathBuf },
+    /// A file of an earlier report that this one does not have, changed since or not on record.
+    Left { path: PathBuf },
 }
 
 impl Display for RunNotice {
@@ -29,6 +31,11 @@ impl Display for RunNotice {
                 )
             }
             Self::Removed { path } => write!(f, "{}: of the earlier report in this folder, removed", in_words(path)),
+            Self::Left { path } => write!(
+                f,
+                "{}: not of this report; it stays, as it was changed or no report has it on record: remove it if it is not yours",
+                in_words(path)
+            ),
         }
     }
 }

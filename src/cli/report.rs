@@ -2,9 +2,14 @@ use super::inspect::Chosen;
 use super::notice::RunNotice;
 use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, inputs_of, recorded_command, study};
 use specval::formats::Scatter;
-use specval::output::ReportFolder;
-use specval::report::{Notice, ReportData, file_names, read_result, render, report_json, summary};
-use specval::run::{self, Simulator, Stage, StateFile, Watch};
+use specval::output::{ReportFolder, Written};
+use specval::report::{
+    Notice, Outline, ReportData, file_names, is_of_report, read_result, render, report_json, result_json, result_path,
+    summary,
+};
+use specval::run::{self, Request, Simulator, Stage, StateFile, Sweep, Watch};
+use specval::sample::Sample;
+use specval::shading::DEFAULT_MODELS;
 use specval::study::Study;
 use std::path::{Path, PathBuf};
 
@@ -18,14 +23,15 @@ pub struct Arguments {
     /// Folder for the report; made if need be.
     #[arg(long, value_name = "DIR", default_value = "report")]
     out: PathBuf,
-    /// A twentieth of the paths and a ninth of the camera rays: seconds instead of minutes, wider error bands.
+    /// A twentieth of the paths, where --paths does not say how many, and a ninth of the camera rays: seconds instead of minutes,
+    /// wider error bands.
     #[arg(long)]
     quick: bool,
     /// Compare the ways to follow light in the cloth, each with the study's effort: approximations.csv and locality.csv. Minutes.
     #[arg(long)]
     approximations: bool,
-    #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file", help::samples()), value_name = "SAMPLE")]
-    measured: Option<String>,
+    #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file. May be repeated: further samples are compared at the geometries of the first", help::samples()), value_name = "SAMPLE")]
+    measured: Vec<String>,
     /// Draw the report of a finished run again, without tracing: its result.json, or its folder.
     #[arg(long, value_name = "RESULT", conflicts_with_all = ["study", "quick", "approximations", "measured", "scatter", "side", "until", "max_time", "resume"])]
     from: Option<PathBuf>,
@@ -64,32 +70,39 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
         return again(result, arguments, options, terminal);
     }
     let mut study = study::load(arguments.study.as_deref(), options)?;
-    if let Some(sample) = &arguments.measured {
+    if let Some(sample) = arguments.measured.first() {
         study.measured.sample.clone_from(sample);
         study.origin.give("measured.sample", "--measured");
     }
     let mut notices = Vec::new();
     if arguments.quick {
-        quicken(&mut study);
+        quicken(&mut study, options.paths.is_none());
         notices.push(Notice::Quick);
     }
-    let inputs = inputs_of(arguments.study.as_deref(), &study);
+    let more = arguments.measured.get(1..).unwrap_or_default();
+    let mut inputs = inputs_of(arguments.study.as_deref(), &study);
+    inputs.extend(more.iter().flat_map(|sample| run::sample_files(sample)));
     if arguments.chosen.scatter == Some(Scatter::Transmission) {
         return Err(NoTransmission.into());
     }
     let plan = study::plan_with(study, arguments.chosen.into())?;
+    let mut samples = Vec::new();
+    for sample in more {
+        study::expect_sample(sample)?;
+        samples.push(Sample::load_chosen(sample, arguments.chosen.into())?);
+    }
     if let Some(notice) = plan.work_notice(Stage::Views)? {
         terminal.notice(&notice);
     }
     let (plan, notice) = arguments.stopping.limits.split(plan, Stage::Views)?;
     notices.extend(notice);
-    // Refused before the simulation; the report tells what is only doubtful.
+    // Wavelengths without colour are refused before the simulation; doubtful ones become notices of the report.
     plan.colour_notices()?;
     let geometries = run::report_geometries(&plan);
-    let names = file_names(
-        incidences(geometries.iter().map(|geometry| geometry.theta_i_deg)),
-        arguments.approximations,
-    );
+    let names = file_names(&Outline {
+        incidences: incidences(geometries.iter().map(|geometry| geometry.theta_i_deg)),
+        approximations: arguments.approximations,
+    });
     if arguments.approximations {
         run::check_approximations(&plan.study)?;
     }
@@ -101,8 +114,16 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let state = StateFile::new(Some(folder.path().join(ReportFolder::STATE)), "report", &plan)?;
     let simulation = stopping.simulate(&simulator, watch, &state, &rule, terminal)?;
     let measuring = terminal.progress("measuring and sweeping");
-    let command = recorded_command(std::env::args_os());
-    let mut data = run::report(&plan, &simulation, command, notices, &|share| measuring.advance(share))?;
+    let batches = simulation.effort.batches;
+    let sweep = Sweep::trace(&plan, batches, &|share| measuring.advance(share))?;
+    let orders = run::light_orders(&plan, batches)?;
+    let request = Request {
+        classical: DEFAULT_MODELS,
+        samples: &samples,
+        command: recorded_command(std::env::args_os()),
+        notices,
+    };
+    let mut data = run::report(&plan, &simulation, &sweep, &orders, request)?;
     measuring.finish();
     if arguments.approximations {
         let comparing = terminal.progress("comparing approximations");
@@ -122,17 +143,28 @@ fn again(result: &Path, arguments: &Arguments, options: &Options, terminal: &Ter
         }
     }
     let data = read_result(result)?;
-    let incidences = incidences(data.curves.iter().map(|point| point.theta_i_deg));
-    let names = file_names(incidences, data.approximations.is_some());
-    // The folder that the result lies in is drawn anew: its own files may be replaced, the result by itself.
-    let folder = ReportFolder::prepare(&arguments.out, &names, &[], arguments.replace.force)?;
+    let names = file_names(&Outline {
+        incidences: incidences(data.curves.iter().map(|point| point.theta_i_deg)),
+        approximations: data.approximations.is_some(),
+    });
+    // A result may be drawn into its own folder, where it replaces itself; one that was changed since is the user's.
+    let file = result_path(result);
+    let unchanged = std::fs::read(&file).is_ok_and(|bytes| result_json(&data).is_ok_and(|own| own == bytes));
+    let inputs = if unchanged { Vec::new() } else { vec![file] };
+    let folder = ReportFolder::prepare(&arguments.out, &names, &inputs, arguments.replace.force)?;
     write(&data, &folder, terminal)?;
     show(&data, &folder, options, terminal)
 }
 
 fn write(data: &ReportData, folder: &ReportFolder, terminal: &Terminal) -> Result<(), Failure> {
-    for name in folder.write(&render(data)?)? {
+    let Written { removed, left } = folder.write(&render(data)?, is_of_report)?;
+    for name in removed {
         terminal.notice(RunNotice::Removed {
+            path: folder.path().join(name),
+        });
+    }
+    for name in left {
+        terminal.notice(RunNotice::Left {
             path: folder.path().join(name),
         });
     }
@@ -158,16 +190,19 @@ fn incidences(theta_i_deg: impl Iterator<Item = f64>) -> usize {
     incidences.len()
 }
 
-fn quicken(study: &mut Study) {
+/// A twentieth of the paths, but for a number that was asked for, and a ninth of the camera rays.
+fn quicken(study: &mut Study, fewer_paths: bool) {
     let batches = u64::from(study.trace.batches);
     let trace = &mut study.trace;
-    for paths in [
-        &mut trace.paths_bssrdf,
-        &mut trace.paths_direct,
-        &mut trace.particles,
-        &mut trace.particles_volumetric,
-    ] {
-        *paths = (*paths / 20).max(batches).min(*paths);
+    if fewer_paths {
+        for paths in [
+            &mut trace.paths_bssrdf,
+            &mut trace.paths_direct,
+            &mut trace.particles,
+            &mut trace.particles_volumetric,
+        ] {
+            *paths = (*paths / 20).max(batches).min(*paths);
+        }
     }
     study.rig.pixels_per_side = (study.rig.pixels_per_side / 3).max(4).min(study.rig.pixels_per_side);
 }

@@ -1,4 +1,4 @@
-//! When a long run stops, and how it goes on after a kill.
+//! Stop rules of long runs, and their resumption after a kill.
 
 use super::notice::RunNotice;
 use super::{Failure, Options, Terminal, in_words};
@@ -21,7 +21,7 @@ pub struct Stopping {
     pub limits: Limits,
 }
 
-/// What runs have in common that watch different quantities.
+/// Options of every long run, whichever quantity it watches.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "How long")]
 pub struct Limits {
@@ -56,7 +56,7 @@ impl Limits {
         StopRule::new(until, self.max_time, study_batches, options.paths.is_some())
     }
 
-    /// Tells after how many batches a run that is resumed goes on.
+    /// Notice of the number of batches after which a run is resumed.
     pub fn notice_resumed(&self, state: &Path, batches: Option<usize>, terminal: &Terminal) {
         let state = state.to_owned();
         terminal.notice(match batches {

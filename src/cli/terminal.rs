@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::Duration;
 
-/// Any error of any room: what went wrong, where, what was expected, and the remedy are in its words.
+/// Any error of the library or of a command; its message has place, expectation, finding and remedy.
 pub type Failure = Box<dyn Error>;
 
 #[derive(Debug, thiserror::Error)]
@@ -38,8 +38,8 @@ pub struct Terminal {
     quiet: bool,
     /// An output of the run goes to stdout, so its summary goes to stderr.
     stdout_is_output: bool,
-    /// Notices that were written: each is written once.
-    told: Mutex<HashSet<String>>,
+    /// Notices that were printed: each is printed once.
+    printed: Mutex<HashSet<String>>,
 }
 
 impl Terminal {
@@ -48,7 +48,7 @@ impl Terminal {
             json: options.json,
             quiet: options.quiet,
             stdout_is_output: false,
-            told: Mutex::default(),
+            printed: Mutex::default(),
         }
     }
 
@@ -85,7 +85,7 @@ impl Terminal {
     pub fn print(&self, text: &str) -> Result<(), Failure> {
         if self.stdout_is_output {
             if !self.quiet {
-                // With stderr closed there is no one left to tell.
+                // A closed stderr is no error.
                 let _ = io::stderr().write_all(text.as_bytes());
             }
             return Ok(());
@@ -95,17 +95,20 @@ impl Terminal {
         Ok(written.map_err(|cause| NotWritten { cause })?)
     }
 
-    /// Tells on stderr what the user should know of a run, and nothing of its result; the same words once.
+    /// Prints a notice on stderr; a notice with the same words is printed once.
     pub fn notice(&self, notice: impl Display) {
         let text = notice.to_string();
-        let first = self.told.lock().is_ok_and(|mut told| told.insert(text.clone()));
+        let first = self
+            .printed
+            .lock()
+            .is_ok_and(|mut printed| printed.insert(text.clone()));
         if first && !self.quiet {
-            // With stderr closed there is no one left to tell.
+            // A closed stderr is no error.
             let _ = writeln!(io::stderr(), "notice: {text}");
         }
     }
 
-    /// A progress bar on stderr, where that is a terminal and nobody asked for quiet.
+    /// A progress bar on stderr, if that is a terminal and `--quiet` is not given.
     pub fn progress(&self, what: &'static str) -> Progress {
         let bar = if self.quiet || !io::stderr().is_terminal() {
             ProgressBar::hidden()
@@ -128,7 +131,7 @@ impl Terminal {
     }
 }
 
-/// How far a piece of work has come.
+/// Progress of a piece of work.
 pub struct Progress(ProgressBar);
 
 impl Progress {
@@ -144,7 +147,7 @@ impl Progress {
     }
 }
 
-/// Tells an error with everything that caused it, and ends with the exit code that says so.
+/// Prints an error with all its causes and returns the exit code.
 pub fn exit(result: Result<ExitCode, Failure>) -> ExitCode {
     let failure = match result {
         Ok(code) => return code,
@@ -163,7 +166,7 @@ pub fn exit(result: Result<ExitCode, Failure>) -> ExitCode {
         }
         cause = error.source();
     }
-    // With stderr closed there is no one left to tell.
+    // A closed stderr is no error.
     let _ = writeln!(io::stderr(), "{message}");
     ExitCode::from(BAD_INPUT)
 }

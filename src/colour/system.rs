@@ -129,6 +129,11 @@ impl ColourSystem {
         &self.method
     }
 
+    /// The notice of [`Self::doubt`].
+    pub fn notice(&self) -> Option<String> {
+        self.doubt().map(|why| format!("the colours are doubtful: {why}"))
+    }
+
     /// Why the colours of this grid are doubtful, where they are: wavelengths too far apart, or too little of what the observer sees
     /// between the first and the last.
     pub fn doubt(&self) -> Option<&str> {

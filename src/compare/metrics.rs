@@ -16,7 +16,7 @@ pub(super) enum Slot {
     Measured,
 }
 
-/// Functions of (model mean, measured) that [`Propagation`] turns into estimates: of all sources beside one sample.
+/// Curves of all sources beside one sample, as functions of (model mean, measured) that [`Propagation`] turns into estimates.
 pub(super) struct Curves<'a> {
     geometries: &'a [Geometry],
     classical: Vec<&'a [Channels]>,
@@ -250,7 +250,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_peak_of_a_parabola_is_exact_on_any_steps() {
+    fn parabola_peak_is_exact_on_uneven_steps() {
         let angles = [-40.0, -10.0, 5.0, 15.0, 60.0];
         let parabola = angles.map(|a: f64| 3.0 - 0.001 * (a - 7.3).powi(2));
         assert!((peak_angle_deg(&angles, &parabola) - 7.3).abs() < 1e-12);
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn t_quantile_of_the_tables() {
+    fn t_quantile_matches_tables() {
         let estimate = |mc: f64, measurement: f64| Estimate {
             value: 0.0,
             se: mc.hypot(measurement),

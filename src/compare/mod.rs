@@ -7,6 +7,7 @@ mod metrics;
 mod propagation;
 mod result;
 mod source;
+mod table1;
 
 pub use crate::rig::Geometry;
 pub use comparison::model_colour_ratios;
@@ -20,3 +21,5 @@ pub use result::{
 };
 pub use source::{Role, Source, SourceId};
 pub(crate) use source::{first_sample, is_first_sample};
+pub(crate) use table1::known_error;
+pub use table1::{RatioRanges, Table1, Table1Name, Table1Row, Table1Source};

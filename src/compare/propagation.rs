@@ -15,7 +15,7 @@ pub struct Estimate {
     #[serde(deserialize_with = "nan_from_null")]
     pub se: f64,
     /// What Monte Carlo noise adds to the value on average, by the jackknife: nothing for a linear function, more than
-    /// nothing for an RMSE. Not taken off the value.
+    /// nothing for an RMSE. Not subtracted from the value.
     #[serde(deserialize_with = "nan_from_null")]
     pub bias_monte_carlo: f64,
     #[serde(deserialize_with = "nan_from_null")]

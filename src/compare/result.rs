@@ -119,7 +119,7 @@ pub enum Verdict {
 }
 
 /// RMSE(classical)/RMSE(model), above 1 where the model is nearer to the measurement. The Monte Carlo noise in the
-/// model's mean square is taken off first, so the ratio may lie a little above that of the two [`Rmse`].
+/// model's mean square is subtracted first, so the ratio may lie a little above that of the two [`Rmse`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RmseRatio {
     pub theta_i_deg: f64,
@@ -137,7 +137,8 @@ pub struct RmseRatio {
     /// (Welch–Satterthwaite). `None` if an RMSE is exactly 0 or `too_few_paths`. Measurement noise adds to both RMSE and draws the ratio
     /// towards 1, so the verdict errs on the side of `CannotTell`.
     pub interval: Option<[f64; 2]>,
-    /// The model's luminance at this incidence, or its normalisation, is known to no better than a quarter: no verdict.
+    /// The model's luminance at this incidence, or its normalisation, is known to no better than a quarter, or paths are too few for
+    /// their spread to tell: no verdict.
     pub too_few_paths: bool,
     /// Better or worse if the interval leaves out 1. Each verdict has its own chance of a false alarm, about 5 % (4 to
     /// 6 % in trials with 8 batches and noise up to half of the departures); they are not corrected for their number.
@@ -164,6 +165,15 @@ pub struct SourceRatios {
     pub ratios: ColourRatios,
 }
 
+impl RmseRatio {
+    /// Takes the verdict back: the batches are too few or too small for their spread to tell.
+    fn withhold(&mut self) {
+        self.too_few_paths = true;
+        self.interval = None;
+        self.verdict = Verdict::CannotTell;
+    }
+}
+
 /// All that the report says of models, classical shadings and samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
@@ -180,4 +190,11 @@ pub struct Comparison {
     pub peaks: Vec<Peak>,
     pub rmse_ratios: Vec<RmseRatio>,
     pub colour_ratios: Vec<SourceRatios>,
+}
+
+impl Comparison {
+    /// Takes every verdict back, where paths are too few for any.
+    pub fn withhold_verdicts(&mut self) {
+        self.rmse_ratios.iter_mut().for_each(RmseRatio::withhold);
+    }
 }

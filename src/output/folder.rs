@@ -11,6 +11,13 @@ pub struct NamedFile {
     pub bytes: Vec<u8>,
 }
 
+/// What became of files of an earlier report that a new one does not have, by name.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Written {
+    pub removed: Vec<String>,
+    pub left: Vec<String>,
+}
+
 /// A folder for a report, prepared before a simulation starts, so that a bad path fails in the first second. No second run may
 /// write there while this lives.
 #[derive(Debug)]
@@ -54,9 +61,9 @@ impl ReportFolder {
         &self.path
     }
 
-    /// Writes all files or none, and removes what an earlier report wrote here that this one does not and nobody changed; returns the
-    /// names of those.
-    pub fn write(&self, files: &[NamedFile]) -> Result<Vec<String>, OutputError> {
+    /// Writes all files or none, and removes what an earlier report wrote here that this one does not and nobody changed. Files of
+    /// an earlier report that stay are named: those that were changed, and those of a name `is_of_report` that no record has.
+    pub fn write(&self, files: &[NamedFile], is_of_report: impl Fn(&str) -> bool) -> Result<Written, OutputError> {
         // Read again, now under the lock: the run that had it before may have ended since.
         let earlier = Record::read(&self.path);
         let record = Record::of(files.iter().map(|file| (file.name.as_str(), file.bytes.as_slice())));
@@ -85,7 +92,15 @@ impl ReportFolder {
         write_all(&set)?;
         let removed = record.remove_others(&earlier, &self.path)?;
         write_all(&[(&record_at, &record.bytes())])?;
-        Ok(removed)
+        let names = || record.names().chain([Record::NAME, Self::STATE, Self::LOCK]);
+        let there = std::fs::read_dir(&self.path).into_iter().flatten().flatten();
+        let mut left: Vec<String> = there
+            .filter_map(|entry| entry.file_name().into_string().ok())
+            .filter(|name| is_of_report(name) || earlier.names().any(|known| known == name))
+            .filter(|name| names().all(|own| own != name))
+            .collect();
+        left.sort();
+        Ok(Written { removed, left })
     }
 }
 

@@ -7,8 +7,8 @@ use std::ops::{Index, IndexMut};
 
 const KEYS: [&str; 3] = ["wavelength_nm", "theta_in_deg", "phi_in_deg"];
 
-/// Energy ledger of one wavelength and incident direction: fractions of the incident flux, each with its standard error.
-/// Indexed by fraction; [`Fraction::RouletteNet`] is here the net of all sampling, as [`Column::Fraction`] says.
+/// Energy ledger of one wavelength and incident direction: fractions of the incident flux, each with its standard
+/// error. Indexed by fraction; [`Fraction::RouletteNet`] is here the net of all sampling, as [`Column::Fraction`] says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EnergyRow {
     pub wavelength_nm: f64,
@@ -42,6 +42,11 @@ impl EnergyRow {
             Column::Fraction(fraction) => self[fraction],
             Column::Residual => self.residual,
         }
+    }
+
+    /// Every column in the order of [`Column::ALL`].
+    pub fn columns(&self) -> [Estimate; Column::COUNT] {
+        Column::ALL.map(|column| self.column(column))
     }
 
     /// Names of the columns of `energy.csv`.
@@ -135,8 +140,8 @@ mod tests {
                 .se
                 .is_nan()
         );
-        let short = json.replace(",\"sharing_se\":0.0", "");
+        let short = json.replace(",\"mis_net_se\":0.0", "");
         let error = serde_json::from_str::<EnergyRow>(&short).unwrap_err().to_string();
-        assert!(error.contains("missing field `sharing_se`"), "{error}");
+        assert!(error.contains("missing field `mis_net_se`"), "{error}");
     }
 }

@@ -1,7 +1,5 @@
-use super::{
-    Convention, EffortNote, InputDigest, Provenance, ReadingCount, ReportData, ReportError, SampleNote, Table1Row,
-};
-use crate::compare::{Estimate, HueComparison, Peak, Rmse, RmseRatio, SourceId};
+use super::{Convention, EffortNote, InputDigest, Provenance, ReadingCount, ReportData, ReportError, SampleNote};
+use crate::compare::{Estimate, HueComparison, Peak, Rmse, RmseRatio, SourceId, Table1Row};
 use serde::{Serialize, Serializer};
 
 /// `report.json`: metrics and provenance. Curves and energy have tables of their own.
@@ -48,7 +46,7 @@ impl<'a> Factors<'a> {
     }
 }
 
-/// [`Provenance`] with its fallbacks and notices in words.
+/// [`Provenance`] with its fallbacks and notices as sentences.
 #[derive(Serialize)]
 struct Origin<'a> {
     version: &'a str,

@@ -30,9 +30,9 @@ pub fn ledger_ranges(rows: &[EnergyRow]) -> Vec<LedgerRange> {
     Column::ALL.into_iter().map(range).collect()
 }
 
-/// The notice of a ledger with fractions beyond 0 to 1, which noise alone can do.
+/// A notice if fractions of the ledger lie outside 0 to 1, which noise alone can cause.
 pub fn ledger_notice(rows: &[EnergyRow]) -> Option<Notice> {
-    // Beyond rounding.
+    // The margin is for rounding.
     let beyond = |value: f64| !(-1e-6..=1.0 + 1e-6).contains(&value);
     let noisy = [Fraction::Ballistic, Fraction::Scattered, Fraction::Absorbed];
     let is_noise = |row: &&EnergyRow| noisy.into_iter().any(|fraction| beyond(row[fraction].value));

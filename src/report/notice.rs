@@ -1,9 +1,10 @@
-//! Everything that a result says beside its numbers: as data in the result, in words here alone.
+//! Notices and fallbacks of a result. The result holds them as data; their wording is here alone.
 
 use crate::compare::Geometry;
-use crate::number::{nan_from_null, shown, time_in_words};
+use crate::number::{nan_from_null, shown, significant, time_in_words};
 use crate::sample::SampleNotice;
 use crate::spectrum::Doubt;
+use crate::study::OldKey;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 
@@ -56,9 +57,9 @@ pub enum Notice {
     GrazingGain {
         gains: Vec<GrazingGain>,
     },
-    /// An old spelling in the study's file; the words name the new one.
+    /// An old key in the study's file.
     OldKey {
-        words: String,
+        key: OldKey,
     },
     /// A diameter in the section of the study, nm, that looks like micrometres.
     ParticleDiameter {
@@ -101,6 +102,13 @@ pub enum Notice {
     },
     /// The model is known too badly for verdicts.
     VerdictsWithheld,
+    /// Paths a tilt, and those from which verdicts are given.
+    FewPaths {
+        paths: usize,
+        least: usize,
+    },
+    /// Every batch of the model is black at every geometry.
+    NoModelLight,
     /// Rows of the energy ledger with fractions beyond 0 to 1.
     LedgerNoise {
         noisy: usize,
@@ -155,7 +163,7 @@ pub enum Fallback {
     IndependentEstimator,
     /// f* of a round yarn in place of that of an elliptical or uneven one.
     RoundYarnResponse,
-    /// Fibres shine in place of a gloss about the cloth's normal.
+    /// The yarns have their own gloss, so the model has none about the cloth's normal.
     YarnsShine,
     /// The sample has ratios alone.
     PublishedRatiosAlone {
@@ -198,7 +206,7 @@ impl Display for Notice {
                     gains.iter().map(at).collect::<Vec<_>>().join(", ")
                 )
             }
-            Self::OldKey { words } => f.write_str(words),
+            Self::OldKey { key } => key.fmt(f),
             Self::ParticleDiameter { section, doubt } => write!(f, "`{section}.particle_diameter_nm`: {doubt}"),
             Self::StudyAngles { key, doubt } => write!(f, "`{key}`: {doubt}"),
             Self::LongPaths { paths } => paths.fmt(f),
@@ -244,6 +252,14 @@ impl Display for Notice {
                 "too few paths: the model's luminance is known to no better than a quarter of its value, so verdicts are withheld; \
                  take more --paths",
             ),
+            Self::FewPaths { paths, least } => write!(
+                f,
+                "too few paths: {paths} a tilt leave out the rare bright ones, so that standard errors are too small and verdicts are \
+                 withheld; take --paths {least} or more"
+            ),
+            Self::NoModelLight => {
+                f.write_str("the model sends no light to any view: there is nothing to normalise or to compare")
+            }
             Self::LedgerNoise { noisy, rows } => write!(
                 f,
                 "too few paths: fractions of the energy ledger beyond 0 to 1 in {noisy} of {rows} rows, see their standard errors; \
@@ -255,10 +271,10 @@ impl Display for Notice {
                 paths,
             } => write!(
                 f,
-                "BLUE/RED of the model has a standard error of {:.1} %: for 5 % it takes about {times:.1} times the paths of this \
-                 run, {:.0} a tilt in place of {paths}, and as many times the tracing time",
+                "BLUE/RED of the model has a standard error of {1:.1} %: for 5 % it takes about {times:.1} times the paths of this \
+                 run, {0} a tilt in place of {paths} (`--paths {0}`), and as many times the tracing time",
+                (*paths as f64 * times).ceil(),
                 100.0 * relative_se,
-                *paths as f64 * times
             ),
             Self::Sweep { media, paths, batches } => {
                 write!(f, "sweep: {media} media, each with {paths} paths a tilt in {batches} batches")
@@ -270,8 +286,10 @@ impl Display for Notice {
                 };
                 write!(
                     f,
-                    "red of {whose}, {red:.2e} with standard error {red_se:.1e}, is as good as 0 beside its other components: no \
-                     ratio to it is shown"
+                    "red of {whose}, {} with standard error {}, is as good as 0 beside its other components: no ratio to it is \
+                     shown",
+                    significant(*red, 3),
+                    significant(*red_se, 2)
                 )
             }
             Self::MediaWithoutRatio { without, media } => write!(

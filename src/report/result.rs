@@ -1,11 +1,11 @@
-//! The one plain result everything in this room is a pure function of.
+//! The result that a report is drawn from.
 
 use super::{Approximations, EnergyRow, Fallback, Notice};
 use crate::compare::{
-    Coefficient, ColourRatios, CurvePoint, Estimate, Geometry, HueComparison, Peak, Rmse, RmseRatio, Role, Source,
-    SourceId,
+    Coefficient, CurvePoint, Geometry, HueComparison, Peak, Rmse, RmseRatio, Role, Source, SourceId, Table1Row,
+    first_sample, is_first_sample,
 };
-use crate::compare::{first_sample, is_first_sample};
+use crate::sample::{Kind, Sample, Uncertainty};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -14,7 +14,7 @@ use std::borrow::Cow;
 pub struct ReportData {
     /// Wavelength grid of the study, nm, ascending.
     pub wavelengths_nm: Vec<f64>,
-    /// The convention the curves and `table1` are in, in words: observer, illuminant, RGB space, adaptation.
+    /// Colour convention of the curves and of `table1`: observer, illuminant, RGB space, adaptation.
     pub colour_convention: String,
     /// Models, classical shadings and samples; curves, errors and the other lists name them by their ids.
     pub sources: Vec<Source>,
@@ -53,71 +53,10 @@ impl ReportData {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Table1Name {
-    Published,
-    Measured,
-    Model,
-    ModelLow,
-    ModelHigh,
-    /// The model without light between the yarns, and with all of it.
-    ModelDirect,
-    ModelAllBounces,
-}
-
-/// Ratios of linear RGB at normal illumination and view; `None` where there is no such value, or none that is known: no light was
-/// hit, or one batch too few.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Table1Row {
-    pub row: Table1Name,
-    pub blue_over_red: Option<f64>,
-    pub blue_over_red_se: Option<f64>,
-    pub green_over_red: Option<f64>,
-    pub green_over_red_se: Option<f64>,
-}
-
-impl Table1Row {
-    /// Ratios with their standard errors, of those that are known; none where red is as good as 0.
-    pub fn estimated(row: Table1Name, ratios: &ColourRatios) -> Self {
-        let known = |ratio: &Estimate| {
-            let value = Some(ratio.value).filter(|value| value.is_finite() && !ratios.red_is_zero);
-            [value, value.and_then(|value| known_error(value, ratio.se))]
-        };
-        let [blue_over_red, blue_over_red_se] = known(&ratios.blue_over_red);
-        let [green_over_red, green_over_red_se] = known(&ratios.green_over_red);
-        Self {
-            row,
-            blue_over_red,
-            blue_over_red_se,
-            green_over_red,
-            green_over_red_se,
-        }
-    }
-
-    /// Ratios that come without an error.
-    pub fn bare(row: Table1Name, blue_over_red: f64, green_over_red: f64) -> Self {
-        Self {
-            row,
-            blue_over_red: Some(blue_over_red),
-            blue_over_red_se: None,
-            green_over_red: Some(green_over_red),
-            green_over_red_se: None,
-        }
-    }
-}
-
-/// The standard error of a value, if there is one: neither undefined nor the rounding of batches that are all equal.
-pub(super) fn known_error(value: f64, se: f64) -> Option<f64> {
-    /// Rounding of a mean and its spread, relative.
-    const ROUNDING: f64 = 1e-12;
-    (se.is_finite() && se > ROUNDING * value.abs()).then_some(se)
-}
-
 /// Table 1 under one colour convention.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Convention {
-    /// In words: observer, illuminant, RGB space, adaptation.
+    /// Observer, illuminant, RGB space, adaptation.
     pub convention: String,
     pub rows: Vec<Table1Row>,
 }
@@ -156,7 +95,7 @@ impl ReadingCount {
     pub const EXAMPLES: usize = 12;
 }
 
-/// What the sample is, in words that go below every graph and table it appears in.
+/// Description of a sample, for the captions of graphs and the footnotes of tables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SampleNote {
     /// Left out of files where it is the first sample's.
@@ -169,8 +108,52 @@ pub struct SampleNote {
     pub licence: String,
     /// Whether its readings have standard errors.
     pub uncertainty_stated: bool,
-    /// What name and kind do not say: its standard uncertainty, its RGB space.
+    /// Its standard uncertainty and its RGB space.
     pub caption: String,
+}
+
+impl SampleNote {
+    pub fn of(id: SourceId, sample: &Sample) -> Self {
+        let of = sample.description();
+        let kind = match of.kind {
+            Some(Kind::Measured) => "measured",
+            Some(Kind::Fit) => "fit of a measurement",
+            Some(Kind::Synthetic) => "synthetic",
+            None => "not stated",
+        };
+        let uncertainty = match sample.uncertainty() {
+            Uncertainty::Columns => "standard errors from its own columns".to_owned(),
+            Uncertainty::Relative(share) => format!("{:.3} % standard uncertainty", share * 100.0).replace(".000", ""),
+            Uncertainty::NotStated => "uncertainty not stated".to_owned(),
+        };
+        let colour = of.colour.as_deref().map(|words| format!("; {words}"));
+        Self {
+            id,
+            name: of.name.clone(),
+            kind: kind.into(),
+            source: of.source.clone(),
+            licence: of.licence.clone(),
+            uncertainty_stated: sample.uncertainty() != Uncertainty::NotStated,
+            caption: format!("{uncertainty}{}", colour.unwrap_or_default()),
+        }
+    }
+
+    /// Of the samples of a report, which have their ids by their places.
+    pub fn of_all(samples: &[&Sample]) -> Vec<Self> {
+        let note =
+            |(place, sample): (usize, &&Sample)| Self::of(Source::numbered(Role::Measured, place, "").id, sample);
+        samples.iter().enumerate().map(note).collect()
+    }
+
+    /// The sample as a source; a report of several samples names each in its legends.
+    pub fn source_of(&self, samples: usize) -> Source {
+        let name = if samples == 1 { "measured" } else { &self.name };
+        Source {
+            id: self.id.clone(),
+            role: Role::Measured,
+            label: format!("{name} ({})", self.kind),
+        }
+    }
 }
 
 /// SHA-256 of one input.
@@ -247,8 +230,8 @@ pub struct Provenance {
     pub seed: u64,
     pub inputs: Vec<InputDigest>,
     pub effort: EffortNote,
-    /// Everything that was done in another way than the study asks.
+    /// What was done in another way than the study asks.
     pub fallbacks: Vec<Fallback>,
-    /// What the reader must know, such as a range the sweep does not reach.
+    /// What a reader of the result must know, such as a range that the sweep does not reach.
     pub notices: Vec<Notice>,
 }

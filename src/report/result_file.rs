@@ -1,10 +1,10 @@
-//! The whole result as a file, from which a report is drawn again.
+//! The result as a file, from which `report --from` draws the report again.
 
 use super::{ReportData, ReportError};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Name of the file in a report's folder.
 pub const RESULT: &str = "result.json";
@@ -12,7 +12,7 @@ pub const RESULT: &str = "result.json";
 const FORMAT: &str = "specval result";
 /// Rises with every change after which an older program would read the file wrong.
 const VERSION: u32 = 2;
-/// Bytes of the largest file that is read: forty times the default study's.
+/// Size of the largest file that is read, bytes: forty times the default study's.
 const MOST_BYTES: u64 = 128 << 20;
 
 #[derive(Serialize)]
@@ -44,16 +44,20 @@ pub fn result_json(data: &ReportData) -> Result<Vec<u8>, ReportError> {
     Ok(bytes)
 }
 
+/// The file of a result that is named by itself or by the report's folder.
+pub fn result_path(path: &Path) -> PathBuf {
+    match path.is_dir() {
+        true => path.join(RESULT),
+        false => path.to_owned(),
+    }
+}
+
 /// Reads a file of [`result_json`], or the one in a report's folder.
 ///
 /// # Errors
 /// A file that cannot be read, is larger than 128 MiB, is no result, or is of another version.
 pub fn read_result(path: &Path) -> Result<ReportData, ReportError> {
-    let path = if path.is_dir() {
-        path.join(RESULT)
-    } else {
-        path.to_owned()
-    };
+    let path = result_path(path);
     let refused = |found: String, remedy: &'static str| ReportError::NoResult {
         path: path.clone(),
         found,

@@ -1,10 +1,10 @@
 use super::tables::{channel_name, elsewhere, place, rounded, with_error, words_of};
-use super::{EffortNote, ReportData, Table1Name, ledger_table};
-use crate::compare::{Channel, Rmse, RmseRatio, Role, Source, SourceId, Verdict};
+use super::{EffortNote, Notice, ReportData, ledger_table};
+use crate::compare::{Channel, Rmse, RmseRatio, Role, Source, SourceId, Table1Name, Verdict};
 use std::fmt::Write;
 
-/// What the terminal shows after a report: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every
-/// notice and fallback.
+/// The summary that `report` prints: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every notice and
+/// fallback.
 pub fn summary(data: &ReportData) -> String {
     let mut text = String::new();
     table1(&mut text, data);
@@ -33,7 +33,7 @@ pub fn summary(data: &ReportData) -> String {
     text
 }
 
-/// What became of the sample's readings, by name; none for a sample without.
+/// How many of the sample's readings were compared, and why the others were not; `None` for a sample without readings.
 fn readings_line(data: &ReportData) -> Option<String> {
     let count = &data.readings;
     if count.total == 0 {
@@ -86,7 +86,7 @@ fn readings_line(data: &ReportData) -> Option<String> {
     Some(line)
 }
 
-/// What was traced, why it stopped, and how well it is known now.
+/// What was traced, why tracing stopped, and which precision it reached.
 pub fn effort_line(effort: &EffortNote) -> String {
     let asked = [
         effort.asked.until.clone(),
@@ -131,18 +131,16 @@ fn table1(text: &mut String, data: &ReportData) {
         "Table 1", "BLUE/RED", "se", "GREEN/RED", "se", data.colour_convention
     );
     for row in &data.table1 {
-        let measured = match elsewhere(data) {
-            Some(at) => format!("measured, {}", place(&at)),
-            None => "measured".to_owned(),
-        };
-        let name = match row.row {
-            Table1Name::Published => "published",
-            Table1Name::Measured => measured.as_str(),
-            Table1Name::Model => "model",
-            Table1Name::ModelLow => "model low",
-            Table1Name::ModelHigh => "model high",
-            Table1Name::ModelDirect => "model, direct light",
-            Table1Name::ModelAllBounces => "model, all bounces",
+        let name = match &row.row {
+            Table1Name::Published => "published".to_owned(),
+            Table1Name::Source(id) => match elsewhere(data).filter(|_| id.as_str() == Role::Measured.id()) {
+                Some(at) => format!("{id}, {}", place(&at)),
+                None => id.to_string(),
+            },
+            Table1Name::ModelLow => "model low".to_owned(),
+            Table1Name::ModelHigh => "model high".to_owned(),
+            Table1Name::ModelDirect => "model, direct light".to_owned(),
+            Table1Name::ModelAllBounces => "model, all bounces".to_owned(),
         };
         let show = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), rounded);
         let _ = writeln!(
@@ -203,6 +201,7 @@ fn errors(text: &mut String, data: &ReportData, [model, classical, sample]: [&So
         let metrics = data.rmse.iter();
         metrics.filter(move |metric| metric.source == source && metric.sample == *sample)
     };
+    let black = data.provenance.notices.contains(&Notice::NoModelLight);
     for metric in of(&model.id) {
         let here = |theta_i_deg: f64, channel: Channel| theta_i_deg == metric.theta_i_deg && channel == metric.channel;
         let beside = of(&classical.id).find(|metric| here(metric.theta_i_deg, metric.channel));
@@ -218,14 +217,20 @@ fn errors(text: &mut String, data: &ReportData, [model, classical, sample]: [&So
             channel_name(metric.channel),
             error(metric),
             beside.map_or_else(|| "–".to_owned(), error),
-            ratio.map(verdict).unwrap_or_default()
+            ratio.map(|ratio| verdict(ratio, black)).unwrap_or_default()
         );
     }
 }
 
-fn verdict(ratio: &RmseRatio) -> String {
+/// `black` is a model without light.
+fn verdict(ratio: &RmseRatio, black: bool) -> String {
     if ratio.too_few_paths {
-        return "withheld: too few paths".to_owned();
+        return if black {
+            "withheld: no light of the model"
+        } else {
+            "withheld: too few paths"
+        }
+        .to_owned();
     }
     let words = match ratio.verdict {
         Verdict::Better => "better",

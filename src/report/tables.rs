@@ -1,6 +1,5 @@
-use super::result::known_error;
-use super::{Approximations, EnergyRow, ReportData, ReportError, Table1Name, Table1Row};
-use crate::compare::{Channel, Geometry};
+use super::{Approximations, EnergyRow, ReportData, ReportError};
+use crate::compare::{Channel, Geometry, Table1Name, Table1Row, known_error};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -74,7 +73,7 @@ pub fn locality_csv(of: &Approximations) -> Result<Vec<u8>, ReportError> {
     )
 }
 
-/// Numbers come out as the shortest text that reads back exactly. The header is written even above no rows.
+/// A CSV table. Numbers are the shortest text that reads back exactly; a table without rows keeps its header.
 fn csv_of<T: Serialize>(rows: &[T], header: &[&str]) -> Result<Vec<u8>, ReportError> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     writer.write_record(header)?;
@@ -86,13 +85,13 @@ fn csv_of<T: Serialize>(rows: &[T], header: &[&str]) -> Result<Vec<u8>, ReportEr
         .map_err(|error| ReportError::Csv(error.into_error().into()))
 }
 
-/// Table 1 for people: the four rows, the ratios under every convention, and what the numbers are.
+/// `table1.md`: Table 1 for readers, with the ratios under every colour convention and footnotes on its rows.
 pub fn table1_markdown(data: &ReportData) -> String {
     let mut text = String::from("# Table 1. Colour ratios at normal illumination and view\n\n");
     text += "Ratios of linear RGB components of the brightness factor, diffuse part, dimensionless; ± one standard error.\n\n";
     let _ = writeln!(text, "Colour convention: {}.\n", data.colour_convention);
     text += "| | BLUE/RED | GREEN/RED |\n| --- | --- | --- |\n";
-    for (label, blue, green) in rows_for_people(&data.table1) {
+    for (label, blue, green) in formatted_rows(data, &data.table1) {
         let _ = writeln!(text, "| {label} | {blue} | {green} |");
     }
     if !data.conventions.is_empty() {
@@ -100,7 +99,7 @@ pub fn table1_markdown(data: &ReportData) -> String {
         text += "GREEN/RED of a red this deep is a small difference of large numbers: it moves with the convention far more than with the cloth.\n\n";
         text += "| Convention | | BLUE/RED | GREEN/RED |\n| --- | --- | --- | --- |\n";
         for convention in &data.conventions {
-            for (label, blue, green) in rows_for_people(&convention.rows) {
+            for (label, blue, green) in formatted_rows(data, &convention.rows) {
                 let _ = writeln!(
                     text,
                     "| {} | {label} | {blue} | {green} |",
@@ -127,10 +126,8 @@ pub fn table1_markdown(data: &ReportData) -> String {
          The RGB space and the white of the published ratios are not stated there."
     );
     for (place, sample) in data.samples.iter().enumerate() {
-        let (mark, at) = match place {
-            0 => ("sample".to_owned(), at.as_str()),
-            _ => (sample.id.to_string(), ""),
-        };
+        let mark = footnote(data, place);
+        let at = if place == 0 { at.as_str() } else { "" };
         let _ = writeln!(
             text,
             "[^{mark}]: {}, kind: {}. {} Source: {}. Licence: {}.{at}",
@@ -147,43 +144,46 @@ pub fn table1_markdown(data: &ReportData) -> String {
     text
 }
 
-/// Label, BLUE/RED and GREEN/RED of published, measured, model and model range, each row only where the data have it.
-fn rows_for_people(rows: &[Table1Row]) -> Vec<(&'static str, String, String)> {
+/// Label, BLUE/RED and GREEN/RED of each row; both ends of the model's range are one row.
+fn formatted_rows(data: &ReportData, rows: &[Table1Row]) -> Vec<(String, String, String)> {
     let find = |name| rows.iter().find(|row| row.row == name);
     let mut out = Vec::new();
-    for (name, label) in [
-        (Table1Name::Published, "published[^published]"),
-        (Table1Name::Measured, "measured[^sample]"),
-        (Table1Name::Model, "model"),
-    ] {
-        if let Some(row) = find(name) {
-            out.push((
-                label,
-                or_dash(row.blue_over_red, row.blue_over_red_se),
-                or_dash(row.green_over_red, row.green_over_red_se),
-            ));
-        }
-    }
-    if let (Some(low), Some(high)) = (find(Table1Name::ModelLow), find(Table1Name::ModelHigh)) {
+    for row in rows {
+        let label = match &row.row {
+            Table1Name::Published => "published[^published]".to_owned(),
+            Table1Name::Source(id) => match data.samples.iter().position(|sample| sample.id == *id) {
+                Some(place) => format!("{id}[^{}]", footnote(data, place)),
+                None => id.to_string(),
+            },
+            Table1Name::ModelLow => {
+                if let Some(high) = find(Table1Name::ModelHigh) {
+                    out.push((
+                        "model range[^range]".to_owned(),
+                        range(row.blue_over_red, high.blue_over_red),
+                        range(row.green_over_red, high.green_over_red),
+                    ));
+                }
+                continue;
+            }
+            Table1Name::ModelHigh => continue,
+            Table1Name::ModelDirect => "model, direct light alone[^orders]".to_owned(),
+            Table1Name::ModelAllBounces => "model, all light between yarns[^orders]".to_owned(),
+        };
         out.push((
-            "model range[^range]",
-            range(low.blue_over_red, high.blue_over_red),
-            range(low.green_over_red, high.green_over_red),
+            label,
+            or_dash(row.blue_over_red, row.blue_over_red_se),
+            or_dash(row.green_over_red, row.green_over_red_se),
         ));
     }
-    for (name, label) in [
-        (Table1Name::ModelDirect, "model, direct light alone[^orders]"),
-        (Table1Name::ModelAllBounces, "model, all light between yarns[^orders]"),
-    ] {
-        if let Some(row) = find(name) {
-            out.push((
-                label,
-                or_dash(row.blue_over_red, row.blue_over_red_se),
-                or_dash(row.green_over_red, row.green_over_red_se),
-            ));
-        }
-    }
     out
+}
+
+/// Mark of the footnote of a sample.
+fn footnote(data: &ReportData, place: usize) -> &str {
+    match place {
+        0 => "sample",
+        _ => data.samples[place].id.as_str(),
+    }
 }
 
 /// Where the comparison is normalised, if that is not normal incidence and view.
@@ -197,7 +197,7 @@ pub(super) fn place(at: &Geometry) -> String {
     format!("{}/{}", at.theta_i_deg, at.theta_v_deg)
 }
 
-/// Where a source is normalised, in words.
+/// The place of a normalisation as a phrase.
 pub(super) fn words_of(at: &Geometry) -> String {
     match (at.theta_i_deg, at.theta_v_deg) {
         (0.0, 0.0) => "normal light and view".to_owned(),

@@ -2,17 +2,16 @@ use super::curves::{channels, directions};
 use super::readings::report_geometries;
 use super::{Plan, Progress, RunError, Simulator, SpectralCurves, Stage, check_memory};
 use crate::compare::{Channel, Channels};
-use crate::geometry::Vec3;
 use crate::report::{ApproximationRow, Approximations, LocalityRow};
 use crate::rig::Geometry;
 use crate::sample::Reading;
-use crate::shading::{Classical, ShadingModel};
+use crate::shading::{Basis, DEFAULT_MODELS, classical_model};
 use crate::study::{Bounces, MethodChoice, Study, StudyError};
-use crate::transport::{Entry, Estimate, Purpose, Stream, Walk};
-use crate::yarn::Sharing;
+use crate::transport::Estimate;
+use crate::yarn::{Yarn, scattered_beyond};
 use std::iter::zip;
 
-/// The study with one way to follow light in the cloth.
+/// The study with this method and these bounces.
 fn variant(study: &Study, method: MethodChoice, bounces: Bounces) -> Study {
     let mut study = study.clone();
     study.cloth.method = method;
@@ -20,7 +19,7 @@ fn variant(study: &Study, method: MethodChoice, bounces: Bounces) -> Study {
     study
 }
 
-/// Every way to follow light in the cloth that is compared.
+/// The methods that are compared.
 const VARIANTS: [(MethodChoice, Bounces); 3] = [
     (MethodChoice::Volumetric, Bounces::ALL),
     (MethodChoice::RadianceFactor, Bounces::Most(0)),
@@ -64,8 +63,14 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Approximations,
     let white = channels(&plan.colour, &vec![1.0; plan.grid.len()]);
     let normal = geometries.iter().position(|g| *g == Geometry::NORMAL);
     let normal = normal.and_then(|normal| readings[normal].as_ref());
+    let preprint = classical_model(DEFAULT_MODELS[0])?;
     let classical = normal
-        .map(|reading| Classical::new(reading.beta, plan.specular))
+        .map(|reading| {
+            preprint.of(&Basis {
+                normal: reading.beta,
+                specular: plan.specular,
+            })
+        })
         .transpose()?;
     let mut rows = Vec::new();
     let mut incidences: Vec<f64> = geometries.iter().map(|g| g.theta_i_deg).collect();
@@ -130,70 +135,22 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Approximations,
     }
     Ok(Approximations {
         rows,
-        locality: locality(plan)?,
+        locality: locality(&plan.yarn, plan.cloth_spec.weft_spacing_mm, plan.study.seed)?,
     })
 }
 
-/// Batches and paths of each.
-const LOCALITY_BATCHES: usize = 16;
-const LOCALITY_PATHS: usize = 4000;
-
-/// Shares of the scattered light of a beam across a straight yarn, by the distance along it.
-fn locality(plan: &Plan) -> Result<Vec<LocalityRow>, RunError> {
-    let radius = plan.yarn.cylinder.radius_mm();
-    let spacing = plan.cloth_spec.weft_spacing_mm;
-    let limits = [0.5 * spacing, spacing, 8.0 * radius];
-    let mut rows = Vec::new();
-    for Sharing { first, interior } in &plan.yarn.sharing()? {
-        let wavelengths = interior.wavelengths();
-        let walk = Walk {
-            shape: &plan.yarn.cylinder,
-            interior,
-            roulette: plan.yarn.roulette,
-        };
-        let batches: Vec<Vec<[f64; 4]>> = (0..LOCALITY_BATCHES)
-            .map(|batch| {
-                let mut sums = vec![[0.0; 4]; wavelengths];
-                walk.trace(
-                    Stream::open(plan.study.seed, Purpose::Locality, 0, batch, *first),
-                    LOCALITY_PATHS,
-                    |[across, ..]| {
-                        let h = 2.0 * across - 1.0;
-                        let normal = Vec3::new(h, 0.0, (1.0 - h * h).max(0.0).sqrt());
-                        Entry {
-                            position: normal * radius,
-                            normal,
-                            omega_in: Vec3::z(),
-                        }
-                    },
-                    |exit| {
-                        let along = (exit.position.y - exit.entry.y).abs();
-                        let beyond = limits.map(|limit| f64::from(u8::from(along > limit)));
-                        let scattered = f64::from(u8::from(exit.scattered));
-                        for (sums, weight) in sums.iter_mut().zip(exit.weights) {
-                            sums[3] += scattered * weight;
-                            for (sum, beyond) in zip(&mut *sums, beyond) {
-                                *sum += scattered * weight * beyond;
-                            }
-                        }
-                    },
-                );
-                sums
-            })
-            .collect();
-        for w in 0..wavelengths {
-            let share = |k: usize| Estimate::from_batches(batches.iter().map(|sums| sums[w][k] / sums[w][3]));
-            let [half, whole, eight] = [share(0), share(1), share(2)];
-            rows.push(LocalityRow {
-                wavelength_nm: plan.grid.nm()[first + w],
-                beyond_half_spacing: half.value,
-                beyond_half_spacing_se: half.se,
-                beyond_spacing: whole.value,
-                beyond_spacing_se: whole.se,
-                beyond_8_radii: eight.value,
-                beyond_8_radii_se: eight.se,
-            });
-        }
-    }
-    Ok(rows)
+/// Fractions of the scattered light of a beam across a straight yarn, by how far along it they leave.
+fn locality(yarn: &Yarn, spacing_mm: f64, seed: u64) -> Result<Vec<LocalityRow>, RunError> {
+    let distances_mm = [0.5 * spacing_mm, spacing_mm, 8.0 * yarn.cylinder.radius_mm()];
+    let beyond = scattered_beyond(yarn, distances_mm, seed)?;
+    let row = |(&wavelength_nm, [half, whole, eight]): (&f64, [Estimate; 3])| LocalityRow {
+        wavelength_nm,
+        beyond_half_spacing: half.value,
+        beyond_half_spacing_se: half.se,
+        beyond_spacing: whole.value,
+        beyond_spacing_se: whole.se,
+        beyond_8_radii: eight.value,
+        beyond_8_radii_se: eight.se,
+    };
+    Ok(zip(yarn.medium.grid().nm(), beyond).map(row).collect())
 }

@@ -1,6 +1,6 @@
 use super::Plan;
 use crate::colour::ColourSystem;
-use crate::compare::{Channels, Geometry};
+use crate::compare::{Channels, ColourRatios, CompareError, Geometry, model_colour_ratios};
 use crate::geometry::Vec3;
 use crate::rig::{omega_in, omega_out};
 use crate::transport::Estimate;
@@ -45,6 +45,15 @@ impl SpectralCurves {
             .collect()
     }
 
+    /// Ratios of the diffuse part at a geometry, such as those of Table 1.
+    ///
+    /// # Errors
+    /// Fewer than two batches, or values that are not finite.
+    pub fn diffuse_ratios(&self, colour: &ColourSystem, geometry: usize) -> Result<ColourRatios, CompareError> {
+        let batches = self.diffuse.iter().map(|batch| channels(colour, &batch[geometry]));
+        model_colour_ratios(&batches.collect::<Vec<_>>())
+    }
+
     /// Mean and standard error of the total β at a geometry and wavelength.
     pub fn estimate(&self, geometry: usize, wavelength: usize) -> Estimate {
         let diffuse = Estimate::from_batches(self.diffuse.iter().map(|b| b[geometry][wavelength]));
@@ -71,7 +80,7 @@ pub(crate) fn directions(plan: &Plan, geometry: Geometry) -> (Vec3, Vec3) {
     )
 }
 
-/// β of the gloss about the cloth's normal; none where the yarns shine by themselves.
+/// β of the gloss about the cloth's normal; 0 where the yarns have their own gloss.
 pub(crate) fn gloss(plan: &Plan, geometry: Geometry) -> f64 {
     if plan.study.specular.surface.is_of_yarns() {
         return 0.0;

@@ -51,12 +51,12 @@ pub(crate) fn hemisphere(
     tally.drain(PI / (POLAR * AROUND * samples.count()) as f64 / theta_i_deg.to_radians().cos())
 }
 
-/// Fraction of the light at an incidence that shading with f* would reflect and transmit if the yarns were white and sent
-/// light out evenly all around: f* = cosψ/π², whose integral ∮∫ f* cosθ dω R dφ is the 2R cosψ that a yarn meets.
+/// Fraction of the light at an incidence that shading with f* would reflect and transmit if the yarns were white and scattered
+/// with equal radiance in all directions: f* = cosψ/π², whose integral ∮∫ f* cosθ dω R dφ is the 2R cosψ that a yarn meets.
 ///
-/// Shading with f* lets a yarn scatter all the light that meets it when alone, wherever the point seen is not shadowed. At grazing
-/// light the yarns shadow each other in part, which f* does not hold: the fraction then exceeds 1. It depends on weave and incidence
-/// alone and has a standard error near 1 %.
+/// f* is the response of a yarn alone in the beam, applied wherever the point in view is not shadowed. At grazing incidence the yarns
+/// shadow each other in part, which f* does not contain: the fraction then exceeds 1. It depends on weave and incidence alone and
+/// has a standard error near 1 %.
 ///
 /// # Errors
 /// None for a study that a plan was made of.

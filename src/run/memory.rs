@@ -194,7 +194,7 @@ pub fn bytes(study: &Study, stage: Stage, threads: usize) -> f64 {
         Stage::Check => PROGRAM + of_patch,
         Stage::Yarn => {
             let lengths = LengthBins::DEFAULT as f64 * wavelengths * cells;
-            // Single precision of a batch, sums and squares; f* by both roads; amounts and moments of the lengths, of the tilts one by
+            // Single precision of a batch, sums and squares; both estimates of f*; amounts and moments of the lengths, of the tilts one by
             // one and together, and their sums.
             PROGRAM + of_patch + 20.0 * bssrdf + 8.0 * table + 28.0 * lengths + ledgers
         }

@@ -12,6 +12,7 @@ mod file_kind;
 mod grazing;
 mod inputs;
 mod light;
+mod light_orders;
 mod memory;
 mod notices;
 mod plan;
@@ -25,15 +26,16 @@ mod simulate;
 mod simulator;
 mod state;
 mod stop;
+mod sweep;
+mod table1;
 mod trace;
 mod watch;
 mod work;
-mod yarn_sums;
 
 pub use approximations::{approximations, check_approximations};
 pub use artefact::{
-    LengthTable, MediumValues, Systematic, Table, YarnArtefact, YarnAxes, YarnLayout, YarnSettings, merge_shards,
-    trace_shard,
+    BatchTables, LengthTable, MeanTables, MediumValues, Quantities, SumTables, Systematic, Table, YarnArtefact,
+    YarnAxes, YarnBatch, YarnLayout, YarnSettings, YarnSums, merge_shards,
 };
 pub use batches::{Gather, Outcome, Schedule, gather};
 pub use curves::SpectralCurves;
@@ -45,6 +47,7 @@ pub(crate) use grazing::hemisphere;
 pub use grazing::{grazing_gains, grazing_notice, white_albedo};
 pub use inputs::{input_files, sample_files};
 pub use light::{FactorCloth, volumetric_cloth};
+pub use light_orders::light_orders;
 pub use memory::{Stage, bytes as memory_bytes, check_memory, refuse_beyond};
 pub use notices::study_notices;
 pub use plan::{Plan, medium};
@@ -53,12 +56,12 @@ pub use progress::Progress;
 pub use reabsorb::reabsorb;
 pub use reabsorbed::{Notice, NoticeKind, Reabsorbed};
 pub use readings::report_geometries;
-pub use report::report;
+pub use report::{Request, report};
 pub use shard::{Shard, ShardError};
 pub use simulate::{Simulation, simulate};
 pub use simulator::{Batch, Simulator};
 pub use state::StateFile;
 pub use stop::{Precision, PrecisionError, StopRule, StoppedBy, Tolerance, Watched};
-pub use trace::{YarnTracer, trace_yarn};
+pub use sweep::Sweep;
+pub use trace::{YarnTracer, trace_shard, trace_yarn};
 pub use watch::Watch;
-pub use yarn_sums::{YarnBatch, YarnSums};

@@ -14,7 +14,7 @@ const OPEN_GROWTH: f64 = 0.5;
 const SCATTERING_CHANGE: f64 = 0.02;
 
 impl NoticeKind {
-    /// Whether it is due at a wavelength, its value, and the part of the light concerned.
+    /// Value and fraction of the light concerned at one wavelength, if the notice applies there.
     fn judge(self, support: &Support, scattering: f64) -> Option<(f64, f64)> {
         let (due, value, share) = match self {
             Self::FewPathsCount => (
@@ -72,11 +72,12 @@ impl fmt::Display for Notice {
     }
 }
 
-/// The artefact with the absorption of another medium, without tracing. `source_sha256` is the digest to record.
+/// Changes the absorption of a trace to that of another medium without tracing. `source_sha256` is the digest to
+/// record.
 ///
-/// f* of the direct simulation and the ledger are re-weighted along their path lengths, and so are those, for a further
-/// change. Reflected light and roulette stay as they were; absorbed light takes what closes the ledger. The BSSRDF and the f* summed from
-/// it have no path lengths and are left out.
+/// f* of the direct simulation and the ledger are re-weighted along their path lengths, and the tables by path length
+/// likewise, for a further change. Reflected light and the nets of sampling do not change; absorbed light closes the
+/// ledger. The BSSRDF and the f* summed from it have no path lengths and are removed.
 ///
 /// # Errors
 /// A study or input files that are no longer those of the artefact, the same medium, one that [`Reabsorption::new`] refuses.
@@ -113,13 +114,13 @@ pub fn reabsorb(
     let change = Reabsorption::new(bins, &traced.yarn.medium, &wanted.yarn.medium)?;
 
     let mut systematic = artefact.systematic.take().unwrap_or_else(|| Systematic {
-        direct: vec![0.0; artefact.direct.mean.len()],
+        direct: vec![0.0; artefact.tables.direct.mean.len()],
         energy: vec![0.0; 2 * artefact.layout.incident.traced() * artefact.layout.wavelengths()],
     });
-    let by_length = &mut artefact.by_length;
+    let by_length = &mut artefact.tables.by_length;
     let support = change.table(
-        &mut artefact.direct.mean,
-        &mut artefact.direct.se,
+        &mut artefact.tables.direct.mean,
+        &mut artefact.tables.direct.se,
         ByLength {
             mean: &mut by_length.mean,
             se: &mut by_length.se,
@@ -127,7 +128,10 @@ pub fn reabsorb(
         },
         &mut systematic.direct,
     )?;
-    let energy = change.energy(&mut artefact.energy_by_length.mean, &mut artefact.energy_by_length.se)?;
+    let energy = change.energy(
+        &mut artefact.tables.energy_by_length.mean,
+        &mut artefact.tables.energy_by_length.se,
+    )?;
     let wavelengths = artefact.layout.wavelengths();
     let incident = artefact.layout.incident;
     let mut light = vec![[0.0; 2]; energy.len()];
@@ -162,13 +166,13 @@ pub fn reabsorb(
     settings.study = wanted.study;
     settings.inputs = wanted.inputs;
     settings.reabsorbed.push(record);
-    artefact.summed = None;
-    artefact.bssrdf = None;
+    artefact.tables.summed = None;
+    artefact.tables.bssrdf = None;
     artefact.systematic = Some(systematic);
     Ok(artefact)
 }
 
-/// Coefficients to the accuracy of another C library.
+/// Whether coefficients agree to the accuracy of another C library.
 fn agree(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && std::iter::zip(a, b).all(|(a, b)| (a - b).abs() <= 1e-9 * a.abs().max(b.abs()))
 }

@@ -4,11 +4,11 @@ use crate::report::ReadingCount;
 use crate::rig::Geometry;
 use crate::sample::{ANGLE_TOLERANCE_DEG, Reading, Sample};
 
-/// Geometries of a sample that a report measures at most, and incidences that it thins a larger one to.
+/// Most geometries of a sample that a report measures, and number of incidences to which a larger sample is thinned.
 const MOST_GEOMETRIES: usize = 500;
 const MOST_INCIDENCES: usize = 10;
 
-/// What a report measures: the sample's own geometries, or the rig's where the study sets them or the sample is a table with
+/// Geometries that a report measures: the sample's own, or the rig's where the study sets them or the sample is a table with
 /// values there; and normal incidence and view in any case.
 pub fn report_geometries(plan: &Plan) -> Vec<Geometry> {
     let mut geometries = match takes_the_samples(plan) {
@@ -64,16 +64,23 @@ fn thinned(geometries: Vec<Geometry>) -> Vec<Geometry> {
         .collect()
 }
 
-/// The sample's readings at the geometries.
+/// The study's sample at the geometries.
 pub(super) fn readings(plan: &Plan, geometries: &[Geometry]) -> Result<Vec<Option<Reading>>, RunError> {
-    let reading = |g: &Geometry| {
-        plan.sample
-            .reading(g.theta_i_deg, g.theta_v_deg, plan.colour.convention())
-    };
+    readings_of(&plan.sample, plan, geometries)
+}
+
+/// Any sample at the geometries, in the study's colour convention.
+pub(super) fn readings_of(
+    sample: &Sample,
+    plan: &Plan,
+    geometries: &[Geometry],
+) -> Result<Vec<Option<Reading>>, RunError> {
+    let convention = plan.colour.convention();
+    let reading = |g: &Geometry| sample.reading(g.theta_i_deg, g.theta_v_deg, convention);
     Ok(geometries.iter().map(reading).collect::<Result<_, _>>()?)
 }
 
-/// What became of every reading of the sample. `model` is its mean at each geometry.
+/// How many readings of the sample are compared, and why the others are not. `model` is the mean of the model at each geometry.
 pub(super) fn count(
     plan: &Plan,
     geometries: &[Geometry],
@@ -121,7 +128,7 @@ pub(super) fn count(
     count
 }
 
-/// What a reading is used for, later ones before earlier ones.
+/// Use of a reading; where several apply, the last of these counts.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Fate {
     OutsideRig,
@@ -130,7 +137,7 @@ enum Fate {
     Used,
 }
 
-/// Places of the readings that give the value at a geometry: the nearest one, or those on either side of an interpolated view.
+/// Indices of the readings that give the value at a geometry: the nearest one, or those on either side of an interpolated view.
 fn taken(of_sample: &[Geometry], at: Geometry, interpolated: bool) -> Vec<usize> {
     let off = |place: &usize| of_sample[*place].theta_v_deg - at.theta_v_deg;
     let curve = |place: &usize| (of_sample[*place].theta_i_deg - at.theta_i_deg).abs() <= ANGLE_TOLERANCE_DEG;

@@ -3,14 +3,14 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// One of the parts a study's batches are dealt into, for as many machines: number K of N, from 1.
+/// One of N parts of a study's batches, for as many machines: number K of N, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Shard {
     pub(super) number: u32,
     pub(super) of: u32,
 }
 
-/// What is wrong with a shard, or with a set of them.
+/// Why a shard, or a set of shards, is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum ShardError {
     #[error("expected K/N, shard K of N with K from 1 to N, such as 3/16; found \"{found}\"")]
@@ -44,7 +44,7 @@ impl Shard {
         Ok(Self { number, of })
     }
 
-    /// Its part of the study's batches: from ⌊(K−1)B/N⌋ up to ⌊KB/N⌋. The shards of one N hold each batch once.
+    /// Its batches of the study's B: from ⌊(K−1)B/N⌋ up to ⌊KB/N⌋, exclusive. The N shards hold each batch once.
     pub fn batches(&self, of_study: usize) -> Result<Range<usize>, ShardError> {
         if self.of as usize > of_study {
             return Err(ShardError::TooMany {

@@ -1,4 +1,4 @@
-use super::effort::effort_note;
+use super::effort::{effort_note, paths_per_batch};
 use super::{Batch, Gather, RunError, Schedule, Simulator, SpectralCurves, StateFile, Watch, gather};
 use crate::cloth::light::ClothLedger;
 use crate::report::EffortNote;
@@ -85,6 +85,6 @@ pub fn simulate(
         curves: SpectralCurves::new(plan, simulator.geometries().to_vec(), diffuse),
         ledgers,
         cloth,
-        effort: effort_note(plan, rule, &outcome, watched),
+        effort: effort_note(paths_per_batch(plan), rule, &outcome, watched),
     })
 }

@@ -8,7 +8,7 @@ use crate::transport::{Fraction, FractionList, Ledger};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// All that decides about the bits of a batch, beside seed and program version.
+/// Everything that determines the bits of a batch, beside seed and program version.
 #[derive(Serialize)]
 struct Settings<'a> {
     command: &'a str,
@@ -16,7 +16,7 @@ struct Settings<'a> {
     inputs: &'a [InputDigest],
 }
 
-/// The file from which an interrupted simulation goes on: its batches so far, bit for bit.
+/// The file from which an interrupted simulation resumes: its batches so far, bit for bit.
 #[derive(Debug)]
 pub struct StateFile {
     /// `None` for a run that leaves no state.
@@ -25,7 +25,8 @@ pub struct StateFile {
 }
 
 impl StateFile {
-    /// Nothing is read or written yet; nothing ever is where there is no place for it. `command` is the subcommand, since each measures other geometries.
+    /// Nothing is read or written yet, and nothing ever without a path. `command` is the subcommand, because each
+    /// measures other geometries.
     pub fn new(path: Option<PathBuf>, command: &str, plan: &Plan) -> Result<Self, RunError> {
         let settings = Settings {
             command,
@@ -42,7 +43,7 @@ impl StateFile {
         self.path.as_deref()
     }
 
-    /// The batches kept there, from number 0 on; `None` where there is no file.
+    /// The batches of the file, from number 0; `None` where there is no file.
     ///
     /// # Errors
     /// A file that is damaged, or of another command, study, seed or program version. It stays as it is.
@@ -53,39 +54,38 @@ impl StateFile {
         };
         file.expect(&self.identity)?;
         let batches = file.arrays().next().and_then(|info| info.shape.first().copied());
-        let infos = arrays(simulator, batches.unwrap_or(0));
+        let batches = batches.unwrap_or(0);
+        let infos = Arrays::new(simulator, batches);
+        let [ledgers, diffuse, cloth] = infos.in_order().map(|info| file.array::<f64>(&info.name, &info.shape));
+        let (ledgers, diffuse, cloth) = (ledgers?, diffuse?, cloth?);
         let wavelengths = simulator.ledger_shape()[1];
-        let mut stored = Vec::with_capacity(infos.len());
-        for info in &infos {
-            stored.push(file.array::<f64>(&info.name, &info.shape)?);
-        }
-        let of_batch = |array: usize, batch: usize| {
-            let size: usize = infos[array].shape[1..].iter().product();
-            &stored[array][batch * size..(batch + 1) * size]
-        };
         let batch = |batch| Batch {
-            ledgers: amounts(of_batch(0, batch)).map(Ledger::from_amounts).collect(),
-            diffuse: of_batch(1, batch)
+            ledgers: amounts(of_batch(&ledgers, batch, &infos.ledgers))
+                .map(Ledger::from_amounts)
+                .collect(),
+            diffuse: of_batch(&diffuse, batch, &infos.diffuse)
                 .chunks_exact(wavelengths)
                 .map(<[f64]>::to_vec)
                 .collect(),
-            cloth: amounts(of_batch(2, batch)).map(ClothLedger::from_amounts).collect(),
+            cloth: amounts(of_batch(&cloth, batch, &infos.cloth))
+                .map(ClothLedger::from_amounts)
+                .collect(),
         };
-        Ok(Some((0..batches.unwrap_or(0)).map(batch).collect()))
+        Ok(Some((0..batches).map(batch).collect()))
     }
 
     /// Replaces the file, whole or not at all.
     pub(super) fn save(&self, simulator: &Simulator, batches: &[Batch]) -> Result<(), RunError> {
         let Some(path) = &self.path else { return Ok(()) };
-        let infos = arrays(simulator, batches.len());
+        let infos = Arrays::new(simulator, batches.len());
         let header = serde_json::json!({ "batches": batches.len() });
-        let mut file = Writer::create(path, Kind::State, &self.identity, &header, &infos)?;
+        let mut file = Writer::create(path, Kind::State, &self.identity, &header, &infos.in_order())?;
         let ledgers = batches.iter().flat_map(|batch| &batch.ledgers);
-        file.append(&infos[0].name, ledgers.flat_map(Ledger::amounts))?;
+        file.append(&infos.ledgers.name, ledgers.flat_map(Ledger::amounts))?;
         let diffuse = batches.iter().flat_map(|batch| batch.diffuse.iter().flatten());
-        file.append(&infos[1].name, diffuse.copied())?;
+        file.append(&infos.diffuse.name, diffuse.copied())?;
         let cloth = batches.iter().flat_map(|batch| &batch.cloth);
-        file.append(&infos[2].name, cloth.flat_map(ClothLedger::amounts))?;
+        file.append(&infos.cloth.name, cloth.flat_map(ClothLedger::amounts))?;
         Ok(file.finish()?)
     }
 
@@ -109,42 +109,58 @@ fn words<F: FractionList>() -> String {
     names.join(", ")
 }
 
-/// What the file holds for this many batches.
-fn arrays(simulator: &Simulator, batches: usize) -> [ArrayInfo; 3] {
-    let array = |name: &str, unit: &str, axes: &str, shape: &[usize]| ArrayInfo {
-        name: name.into(),
-        unit: unit.into(),
-        axes: axes.into(),
-        shape: shape.to_vec(),
-        element: ElementType::F64,
-    };
-    let [directions, wavelengths] = simulator.ledger_shape();
-    [
-        array(
-            "ledgers",
-            "fraction of the incident flux",
-            &format!(
-                "batch, traced incident direction, wavelength, ({})",
-                words::<Fraction>()
+/// The values of one batch.
+fn of_batch<'a>(values: &'a [f64], batch: usize, info: &ArrayInfo) -> &'a [f64] {
+    let size: usize = info.shape[1..].iter().product();
+    &values[batch * size..(batch + 1) * size]
+}
+
+/// The arrays of the file, for one number of batches.
+struct Arrays {
+    ledgers: ArrayInfo,
+    diffuse: ArrayInfo,
+    cloth: ArrayInfo,
+}
+
+impl Arrays {
+    fn new(simulator: &Simulator, batches: usize) -> Self {
+        let array = |name: &str, unit: &str, axes: String, shape: &[usize]| ArrayInfo {
+            name: name.into(),
+            unit: unit.into(),
+            axes,
+            shape: shape.to_vec(),
+            element: ElementType::F64,
+        };
+        let [directions, wavelengths] = simulator.ledger_shape();
+        let [incidences, _] = simulator.cloth_shape();
+        let geometries = simulator.geometries().len();
+        let flux = "fraction of the incident flux";
+        Self {
+            ledgers: array(
+                "ledgers",
+                flux,
+                format!(
+                    "batch, traced incident direction, wavelength, ({})",
+                    words::<Fraction>()
+                ),
+                &[batches, directions, wavelengths, Fraction::COUNT],
             ),
-            &[batches, directions, wavelengths, Fraction::COUNT],
-        ),
-        array(
-            "diffuse",
-            "1",
-            "batch, geometry, wavelength",
-            &[batches, simulator.geometries().len(), wavelengths],
-        ),
-        array(
-            "cloth",
-            "fraction of the incident flux",
-            &format!("batch, incidence, wavelength, ({})", words::<ClothFraction>()),
-            &[
-                batches,
-                simulator.cloth_shape()[0],
-                simulator.cloth_shape()[1],
-                ClothFraction::COUNT,
-            ],
-        ),
-    ]
+            diffuse: array(
+                "diffuse",
+                "1",
+                "batch, geometry, wavelength".into(),
+                &[batches, geometries, wavelengths],
+            ),
+            cloth: array(
+                "cloth",
+                flux,
+                format!("batch, incidence, wavelength, ({})", words::<ClothFraction>()),
+                &[batches, incidences, wavelengths, ClothFraction::COUNT],
+            ),
+        }
+    }
+
+    fn in_order(&self) -> [ArrayInfo; 3] {
+        [&self.ledgers, &self.diffuse, &self.cloth].map(Clone::clone)
+    }
 }

@@ -1,23 +1,27 @@
-use super::artefact::{YarnArtefact, YarnLayout};
-use super::effort::effort_note;
-use super::yarn_sums::{YarnBatch, YarnSums};
-use super::{Gather, Plan, Precision, RunError, Schedule, Stage, Tolerance, Watched, check_memory, gather};
-use crate::report::EffortNote;
+use super::artefact::{
+    BatchTables, MediumValues, ShardWriter, YarnArtefact, YarnBatch, YarnLayout, YarnSettings, YarnSums,
+};
+use super::effort::{effort_note, paths_per_batch};
+use super::{
+    Gather, Plan, Precision, Progress, RunError, Schedule, Shard, Stage, Tolerance, Watched, check_memory, energy_rows,
+    gather,
+};
+use crate::report::{EffortNote, EnergyRow, PathsPerBatch};
 use crate::transport::{BatchSums, Fraction, Ledger};
 use crate::yarn::{DirectBatch, DirectTracer, EnergyTracer, LengthBins, PatchTracer};
 use std::path::Path;
 
-/// Makes batches of the yarn: ledger, BSSRDF, f* by both roads, path lengths.
+/// Traces batches of the yarn: ledger, BSSRDF, f* of a beam and from the BSSRDF, path lengths.
 pub struct YarnTracer<'a> {
-    plan: &'a Plan,
-    lengths: LengthBins,
+    layout: YarnLayout,
+    paths_per_batch: PathsPerBatch,
     energy: EnergyTracer<'a>,
     direct: DirectTracer<'a>,
     patch: PatchTracer<'a>,
 }
 
 impl<'a> YarnTracer<'a> {
-    /// Batches to have under way at once. Each takes hundreds of megabytes, and keeps all threads busy by itself.
+    /// Batches to trace at once. Each takes hundreds of megabytes and keeps all threads busy by itself.
     pub const ROUND: usize = 1;
 
     /// # Errors
@@ -26,21 +30,28 @@ impl<'a> YarnTracer<'a> {
         check_memory(&plan.study, Stage::Yarn)?;
         let (yarn, factors) = (&plan.yarn, plan.factor_grid);
         let lengths = LengthBins::new(yarn.cylinder.radius_mm(), LengthBins::DEFAULT)?;
+        let bssrdf = plan.bssrdf_grid(yarn)?;
+        let settings = YarnSettings {
+            study: plan.study.clone(),
+            inputs: plan.inputs.clone(),
+            medium: MediumValues::from(&yarn.medium),
+            reabsorbed: Vec::new(),
+        };
         Ok(Self {
-            plan,
+            layout: YarnLayout::new(settings, plan.incident, factors, &bssrdf, &lengths),
+            paths_per_batch: paths_per_batch(plan),
             energy: EnergyTracer::new(yarn, plan.incident, plan.bssrdf_effort, Some(lengths.clone()))?,
-            direct: DirectTracer::new(yarn, factors, plan.direct_effort, Some(lengths.clone()))?,
-            patch: PatchTracer::new(yarn, plan.bssrdf_grid(yarn)?, factors, plan.bssrdf_effort)?,
-            lengths,
+            direct: DirectTracer::new(yarn, factors, plan.direct_effort, Some(lengths))?,
+            patch: PatchTracer::new(yarn, bssrdf, factors, plan.bssrdf_effort)?,
         })
     }
 
     /// What the tables hold and along which axes.
     pub fn layout(&self) -> YarnLayout {
-        YarnLayout::of(self.plan, self.patch.grid(), &self.lengths)
+        self.layout.clone()
     }
 
-    /// Batch number `batch`, the same whenever and wherever it is made.
+    /// Batch number `batch`, the same bits whenever and wherever it is traced.
     pub fn batch(&self, batch: usize) -> YarnBatch {
         // The table that takes most memory while it is made comes first, before the others are there.
         let (bssrdf, summed) = {
@@ -52,11 +63,13 @@ impl<'a> YarnTracer<'a> {
         let DirectBatch { response, lengths, .. } = self.direct.batch(batch);
         YarnBatch {
             ledgers: energy.ledgers,
-            energy_by_length: energy.lengths.into_flattened(),
-            direct: response.into_values(),
-            summed,
-            bssrdf,
-            by_length: lengths,
+            tables: BatchTables {
+                energy_by_length: energy.lengths.into_flattened(),
+                direct: response.into_values(),
+                summed,
+                bssrdf,
+                by_length: lengths,
+            },
         }
     }
 }
@@ -68,13 +81,13 @@ struct Tracing<'a> {
     sums: YarnSums,
     scattered: BatchSums,
     tolerance: Option<Tolerance>,
-    /// Batches with which the run ends in any case.
+    /// Batches after which the run ends in any case.
     most: usize,
     state: &'a Path,
 }
 
 impl Tracing<'_> {
-    /// Takes one batch's scattered fractions into what the stop rule watches.
+    /// Adds one batch's scattered fractions to the sums that the stop rule watches.
     fn watch(scattered: &mut BatchSums, ledgers: &[Ledger]) {
         let fractions: Vec<f64> = ledgers.iter().map(|ledger| ledger[Fraction::Scattered]).collect();
         scattered.add(&fractions);
@@ -104,15 +117,15 @@ impl Gather for Tracing<'_> {
 
     fn save(&self) -> Result<(), RunError> {
         if self.batches() >= self.most {
-            // The artefact comes next, and is no larger.
+            // The trace file is written next, and is no larger.
             return Ok(());
         }
         self.sums.save(&self.layout, self.state)
     }
 }
 
-/// Largest standard error of the ledger's scattered fractions over wavelengths and directions, as the tolerance counts
-/// it; none for fewer than two batches.
+/// Largest standard error of the ledger's scattered fractions over wavelengths and directions, absolute or relative as
+/// the tolerance is; none for fewer than two batches.
 fn largest_error(scattered: &BatchSums, tolerance: Tolerance) -> Option<f64> {
     if scattered.batches < 2 {
         return None;
@@ -121,11 +134,32 @@ fn largest_error(scattered: &BatchSums, tolerance: Tolerance) -> Option<f64> {
     tolerance.largest_error(scattered.batches as usize, estimates.map(|e| (e.value, e.se)))
 }
 
-/// Traces until the schedule's rule says stop; its precision is that of the ledger's scattered fractions. Goes on from
-/// `resumed`, if there is one, and keeps the state in the file `state`.
+/// Traces the batches of one shard into its file. Holds one batch at a time. Returns the ledger of these batches.
+pub fn trace_shard(
+    tracer: &YarnTracer,
+    shard: Shard,
+    path: &Path,
+    progress: Progress,
+) -> Result<Vec<EnergyRow>, RunError> {
+    let layout = &tracer.layout;
+    let batches = shard.batches(layout.batches())?;
+    let mut file = ShardWriter::create(path, layout, shard)?;
+    let mut ledgers = Vec::with_capacity(batches.len());
+    for number in batches.clone() {
+        let batch = tracer.batch(number);
+        file.append(number, &batch)?;
+        ledgers.push(batch.ledgers);
+        progress(1.0 / batches.len() as f64);
+    }
+    file.finish()?;
+    Ok(energy_rows(&layout.axes.wavelength_nm, &layout.incident, &ledgers))
+}
+
+/// Traces until the schedule's stop rule ends the run; its precision is that of the ledger's scattered fractions.
+/// Continues from `resumed`, if there is one, and keeps the state in the file `state`.
 ///
 /// # Errors
-/// A state of more batches than this rule would have let a run make.
+/// A state of more batches than a run under this rule would have traced.
 pub fn trace_yarn(
     tracer: &YarnTracer,
     resumed: Option<YarnSums>,
@@ -158,11 +192,11 @@ pub fn trace_yarn(
         state,
     };
     let outcome = gather(&mut tracing, schedule)?;
-    // Without a precision nothing is watched, and its largest error is none.
+    // Without a precision nothing is watched and there is no largest error.
     let watched = rule.precision.unwrap_or(Precision {
         tolerance: Tolerance::Absolute(0.0),
         of: Watched::Scattered,
     });
-    let effort = effort_note(tracer.plan, rule, &outcome, watched);
+    let effort = effort_note(tracer.paths_per_batch, rule, &outcome, watched);
     Ok((YarnArtefact::new(tracing.layout, tracing.sums), effort))
 }

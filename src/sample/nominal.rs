@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn encoder_noise_is_taken_off_and_repeats_are_combined() {
+    fn encoder_noise_is_removed_and_repeats_are_combined() {
         let rows = vec![
             row(30.02, -59.98, 0.1, 0.003),
             row(29.9, 0.03, 0.2, 0.003),
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_as_fine_as_that_are_kept() {
+    fn fine_steps_are_kept() {
         let views: Vec<Row> = (-10..=10).map(|k| row(45.0, 0.1 * f64::from(k), 0.3, 0.0)).collect();
         let (rows, read) = nominal(views.clone());
         assert_eq!(rows.len(), 21);

@@ -2,8 +2,8 @@ use super::ShadingError;
 use crate::geometry::Vec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// How the surface of a yarn of fibres spreads the light that it reflects. The fibres lie side by side in the surface and wind
-/// about the yarn's axis; the lobe is wide across them and narrow along them.
+/// Angular distribution of the light that the surface of a yarn of fibres reflects. The fibres lie side by side in the surface and
+/// wind about the yarn's axis; the lobe is wide across them and narrow along them.
 ///
 /// Directions are unit vectors from the surface in (tangent, axis, normal) of [`crate::geometry::Frame`]. Fibres run along
 /// t = cos(twist) axis + sin(twist) tangent: as `tangent` is the same way round for either sense of `axis`, a positive twist is a
@@ -21,8 +21,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// p(ω_out | ω_in) = q(ω_out) + q(ω_out with its normal component reversed), q = G(ω_in) D(h) / (4 ω_in·n),
 ///
 /// with h half-way between ω_in and the direction, and q = 0 where h looks into the surface. ∫ p dω over the outer hemisphere
-/// is 1 for every ω_in, so the total is left to Fresnel's reflectance of the smooth surface, which light that enters by refraction
-/// is worked out with. Facets do not shadow what they reflect, so F p / cosθ_out is not reciprocal.
+/// is 1 for every ω_in, so the reflected fraction is Fresnel's reflectance of the smooth surface, the one that refracted light is
+/// computed with. Facets do not shadow what they reflect, so F p / cosθ_out is not reciprocal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FibreGloss {
     along: f64,
@@ -52,7 +52,7 @@ impl FibreGloss {
         })
     }
 
-    /// Whether its mirror image is another: fibres wind, and their lobe shows it.
+    /// Whether the lobe differs from its mirror image, as that of twisted fibres does.
     pub fn is_handed(&self) -> bool {
         // The cosine of a right angle is 0 to rounding only.
         self.along != self.across && self.sin_twist != 0.0 && self.cos_twist > 1e-12

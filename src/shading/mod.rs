@@ -1,26 +1,20 @@
-//! Shading about the normal of a flat cloth, as renderers do it: Cook–Torrance, and its sum with Lambert, the classical
-//! model that a physical one has to beat. And the gloss of a yarn of fibres about its own surface.
+//! Shading about the normal of a flat cloth, as renderers do it: Cook–Torrance, and the classical models that a physical one has
+//! to beat, by id. And the gloss of a yarn of fibres about its own surface.
 //!
 //! Directions are unit vectors from the surface, the normal is +z: in the cloth's coordinates, of fibres in the yarn's.
 
-mod classical;
 mod fibre_gloss;
+mod model;
+mod registry;
 mod specular;
 
-pub use classical::Classical;
 pub use fibre_gloss::FibreGloss;
+pub use model::{Basis, ClassicalModel, Parameter, Shading, ShadingModel};
+pub use registry::{DEFAULT_MODELS, LambertCookTorrance, classical_model, classical_models};
 pub use specular::{Distribution, Specular};
 
-use crate::geometry::Vec3;
+use crate::spectrum::UnknownName;
 use std::f64::consts::PI;
-
-/// A model of how a flat cloth reflects light about its normal, as renderers have it.
-pub trait ShadingModel {
-    /// Brightness factor π L / E in red, green, blue and luminance towards `omega_out` for light from `omega_in`, unit vectors
-    /// from the surface with the normal +z; 0 with either in the plane or below it. `white` holds the channels of the perfect
-    /// diffuser, of which gloss takes its colour.
-    fn eval(&self, omega_in: &Vec3, omega_out: &Vec3, white: &[f64; 4]) -> [f64; 4];
-}
 
 /// Radiance per irradiance of the surface, 1/sr.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
@@ -44,7 +38,7 @@ impl BrightnessFactor {
     }
 }
 
-/// Which parameter of a shading model is out of range.
+/// What is wrong with the parameters of a shading model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ShadingError {
     #[error("specular roughness: expected 0.001 to 1 (slope of the facets, no unit), found {found}")]
@@ -57,4 +51,12 @@ pub enum ShadingError {
     Weight { found: f64 },
     #[error("normal/normal reading of the sample: expected finite brightness factors r, g, b, y, found {found:?}")]
     Factor { found: [f64; 4] },
+    #[error("{model}: expected a value for each of {}, found {found} values", expected.join(", "))]
+    Parameters {
+        model: &'static str,
+        expected: Vec<&'static str>,
+        found: usize,
+    },
+    #[error(transparent)]
+    Unknown(#[from] UnknownName),
 }

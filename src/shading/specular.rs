@@ -65,6 +65,22 @@ impl Specular {
         })
     }
 
+    pub fn distribution(&self) -> Distribution {
+        self.distribution
+    }
+
+    pub fn roughness(&self) -> f64 {
+        self.roughness
+    }
+
+    pub fn index(&self) -> f64 {
+        self.index
+    }
+
+    pub fn weight(&self) -> f64 {
+        self.weight
+    }
+
     /// Zero when the light or the viewer is in the cloth's plane or below it.
     pub fn brdf(&self, omega_in: &Vec3, omega_out: &Vec3) -> Brdf {
         let (n_l, n_v) = (omega_in.z, omega_out.z);

@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn reflectances_in_per_cent_or_below_zero_are_told() {
+    fn reflectances_in_per_cent_or_below_zero_are_noticed() {
         assert_eq!(reflectances("red", &[0.0, 0.2, 1.05]), Ok(vec![]));
         let told = reflectances("red", &[0.2, 69.9]).unwrap()[0].to_string();
         assert!(told.contains("69.9") && told.contains("divide them by 100"), "{told}");
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn diameters_in_micrometres_are_told() {
+    fn diameters_in_micrometres_are_noticed() {
         assert!(particle_diameter(0.15).is_some_and(|doubt| doubt.to_string().contains("write 150")));
         assert_eq!((particle_diameter(150.0), particle_diameter(1.0)), (None, None));
     }

@@ -2,7 +2,7 @@
 
 use super::fields::{Section, path};
 use super::keys::{SECTIONS, Study};
-use super::old_keys::{Now, OLD_KEYS};
+use super::old_keys::{FORMER_KEYS, Now};
 
 const STUDY_HEADER: &str = "\
 # A study of specval: what to simulate and what to compare it with. Every key may be left out; the values here are the
@@ -54,7 +54,7 @@ pub(super) fn page_of_keys() -> String {
         }
     });
     out += "\n## Keys of older studies\n\nThey are still read, with a notice.\n\n| old | now |\n| --- | --- |\n";
-    for old in OLD_KEYS {
+    for old in FORMER_KEYS {
         let now = match old.now {
             Now::Renamed { section, key, .. } => format!("`{}`", path(section, key)),
             Now::Dropped(why) => format!("no effect: {why}"),

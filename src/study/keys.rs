@@ -280,7 +280,7 @@ pub struct CheckSection {
     /// Closed forms of the cylinder without scattering, of the incident flux.
     cylinder: f64 = 0.002, Number(TOLERANCE), "";
     /// Scattered light in f* from the BSSRDF against the direct f*, of the incident flux.
-    two_roads: f64 = 0.02, Number(TOLERANCE), "";
+    two_estimators: f64 = 0.02, Number(TOLERANCE), "";
     /// Yarn's scattering one way against the other, and against its mirror images, of the incident flux.
     reciprocity: f64 = 0.002, Number(TOLERANCE), "";
     /// Reflected, transmitted and absorbed light of the cloth beyond 1.

@@ -29,6 +29,7 @@ pub use keys::{
     CheckSection, ClothSection, ColourSection, MeasuredSection, MediumSection, RigSection, SpectrumSection,
     SpecularSection, Study, SweepSection, TraceSection, WeftSection, YarnSection,
 };
+pub use old_keys::{OldKey, OldKeyNow, study_of_any_age};
 pub use origin::Origin;
 
 impl Study {

@@ -1,10 +1,14 @@
-//! Keys of older studies: they are still read, and a notice says what to write in their place. Each is a row of [`OLD_KEYS`].
+//! Keys of older studies: they are still read, and a notice says what to write in their place. Each is a row of [`FORMER_KEYS`].
 
-use super::fields::{Field, Kind};
+use super::Study;
+use super::fields::{Field, Kind, closed};
 use crate::text::is_path;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt::{self, Display, Formatter};
 
 /// A key that studies no longer have.
-pub(super) struct OldKey {
+pub(super) struct FormerKey {
     pub section: &'static str,
     pub field: Field,
     pub now: Now,
@@ -16,29 +20,38 @@ pub(super) enum Now {
     Renamed {
         section: &'static str,
         key: &'static str,
-        /// The value as the new key has it.
-        value: fn(&str) -> String,
+        /// A text as the new key has it; other values stay as they are.
+        text: fn(&str) -> String,
     },
     /// Nothing depends on it any more; the reason in words.
     Dropped(&'static str),
 }
 
-pub(super) const OLD_KEYS: &[OldKey] = &[
-    OldKey {
+pub(super) const FORMER_KEYS: &[FormerKey] = &[
+    FormerKey {
         section: "weave",
         field: field("draft", Kind::Text),
         now: Now::Renamed {
             section: "cloth",
             key: "weave",
-            value: as_path,
+            text: as_path,
         },
     },
-    OldKey {
+    FormerKey {
+        section: "check",
+        field: field("two_roads", Kind::Number(closed(0.0, 1.0))),
+        now: Now::Renamed {
+            section: "check",
+            key: "two_estimators",
+            text: str::to_owned,
+        },
+    },
+    FormerKey {
         section: "cloth",
         field: field("segments_around", Kind::Multiple(8, 1024, 4)),
         now: Now::Dropped(SMOOTH),
     },
-    OldKey {
+    FormerKey {
         section: "cloth",
         field: field("segments_along", Kind::Integer(8, 1024)),
         now: Now::Dropped(SMOOTH),
@@ -65,40 +78,127 @@ fn as_path(draft: &str) -> String {
     }
 }
 
-impl OldKey {
+impl FormerKey {
     /// The old keys of a section.
     pub fn of(section: &str) -> impl Iterator<Item = &'static Self> {
-        OLD_KEYS.iter().filter(move |old| old.section == section)
+        FORMER_KEYS.iter().filter(move |old| old.section == section)
     }
 
-    /// Takes the old key out of a study's table, if it has one, and says so; a new key that has its value now takes it. A
-    /// value that the new key has gives way, as the old key took its place.
-    pub fn apply(&self, study: &mut toml::Table) -> Option<String> {
+    /// Takes the old key out of a study's table, if it has one; a key that has its value now takes it, in place of a value of its own,
+    /// as the old key had precedence.
+    pub fn apply(&self, study: &mut toml::Table) -> Option<OldKey> {
         let (old_section, key) = (self.section, self.field.key);
         let section = study.get_mut(old_section)?.as_table_mut()?;
         let old = section.remove(key)?;
         if section.is_empty() {
             study.remove(old_section);
         }
-        let (new_section, new_key, value) = match &self.now {
-            Now::Renamed { section, key, value } => (*section, *key, value(old.as_str()?)),
-            Now::Dropped(why) => {
-                return Some(format!(
-                    "`{old_section}.{key}` has no effect any more: {why}; remove it"
-                ));
+        let now = match &self.now {
+            Now::Renamed { section, key, text } => {
+                let value = old.as_str().map(|old| toml::Value::from(text(old))).unwrap_or(old);
+                let new = study
+                    .entry(*section)
+                    .or_insert_with(|| toml::Value::Table(toml::Table::new()));
+                let replaced = new.as_table_mut()?.insert((*key).into(), value.clone());
+                OldKeyNow::Renamed {
+                    new: [(*section).into(), (*key).into()],
+                    value: value.to_string(),
+                    replaced: replaced.map(|other| other.to_string()),
+                }
             }
+            Now::Dropped(why) => OldKeyNow::Dropped { why: (*why).into() },
         };
-        let mut notice = format!(
-            "`{old_section}.{key}` is now `{new_section}.{new_key}`: write {new_key} = {} in [{new_section}] in its \
-             place",
-            toml::Value::from(value.as_str())
-        );
-        let new = study
-            .entry(new_section)
-            .or_insert_with(|| toml::Value::Table(toml::Table::new()));
-        if let Some(other) = new.as_table_mut()?.insert(new_key.into(), value.into()) {
-            notice += &format!(", for {other}, which is passed over");
+        Some(OldKey {
+            place: String::new(),
+            old: [old_section.into(), key.into()],
+            now,
+        })
+    }
+}
+
+/// An old key in the file of a study.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OldKey {
+    /// File and line.
+    pub place: String,
+    /// Section and key.
+    pub old: [String; 2],
+    pub now: OldKeyNow,
+}
+
+/// What became of it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OldKeyNow {
+    Renamed {
+        /// Section and key.
+        new: [String; 2],
+        /// As the new key has it, in TOML.
+        value: String,
+        /// Value of the new key in the same file, which this one replaced.
+        replaced: Option<String>,
+    },
+    Dropped {
+        why: String,
+    },
+}
+
+impl Display for OldKey {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        write!(f, "{}: `{}` ", self.place, self.old.join("."))?;
+        match &self.now {
+            OldKeyNow::Renamed { new, value, replaced } => {
+                let [section, key] = new;
+                write!(
+                    f,
+                    "is now `{section}.{key}`: write {key} = {value} in [{section}] in its place"
+                )?;
+                match replaced {
+                    Some(other) => write!(f, ", for {other}, which is passed over"),
+                    None => Ok(()),
+                }
+            }
+            OldKeyNow::Dropped { why } => write!(f, "has no effect any more: {why}; remove it"),
         }
-        Some(notice)
+    }
+}
+
+/// The study in a file that an earlier version may have written, with the keys of today.
+///
+/// # Errors
+/// What is no study.
+pub fn study_of_any_age<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Study, D::Error> {
+    let mut study = serde_json::Value::deserialize(deserializer)?;
+    for FormerKey { section, field, now } in FORMER_KEYS {
+        let fields = study.get_mut(section).and_then(|of| of.as_object_mut());
+        let Some(old) = fields.and_then(|fields| fields.remove(field.key)) else {
+            continue;
+        };
+        if let Now::Renamed { section, key, text } = now {
+            let value = old.as_str().map(|old| text(old).into()).unwrap_or(old);
+            if let Some(fields) = study.get_mut(section).and_then(|of| of.as_object_mut()) {
+                fields.insert((*key).into(), value);
+            }
+        }
+    }
+    Study::deserialize(study).map_err(D::Error::custom)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_study_in_an_older_file_is_read_with_the_keys_of_today() {
+        let mut written = serde_json::to_value(Study::default()).unwrap();
+        written["cloth"]["segments_around"] = 48.into();
+        written["cloth"]["segments_along"] = 24.into();
+        assert_eq!(study_of_any_age(written.clone()).unwrap(), Study::default());
+        let check = written["check"].as_object_mut().unwrap();
+        let tolerance = check.remove("two_estimators").unwrap();
+        check.insert("two_roads".into(), tolerance);
+        assert_eq!(study_of_any_age(written.clone()).unwrap(), Study::default());
+        written["cloth"]["no_such_key"] = 1.into();
+        assert!(study_of_any_age(written).is_err());
     }
 }

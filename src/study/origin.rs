@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use super::old_keys::{OldKey, OldKeyNow};
 use super::{Place, StudyError};
 
 /// The file that a study was read from and the line of each of its keys, for messages. It says nothing of what the
@@ -11,8 +12,7 @@ pub struct Origin {
     lines: BTreeMap<String, usize>,
     /// Options of the command line in place of keys, by `section.key`.
     options: BTreeMap<String, &'static str>,
-    /// Of old spellings.
-    notices: Vec<String>,
+    old_keys: Vec<OldKey>,
 }
 
 impl PartialEq for Origin {
@@ -27,7 +27,7 @@ impl Origin {
             file: file.into(),
             lines,
             options: BTreeMap::new(),
-            notices: Vec::new(),
+            old_keys: Vec::new(),
         }
     }
 
@@ -48,20 +48,25 @@ impl Origin {
         })
     }
 
-    /// That an old key is read, of which `new` has the value now, and what the user is told of it.
-    pub(super) fn replace(&mut self, old: &str, new: Option<String>, notice: &str) {
-        let line = self.lines.remove(old).unwrap_or(0);
+    /// Notes that an old key is read, of which another may have the value now.
+    pub(super) fn replace(&mut self, old_key: OldKey) {
+        let line = self.lines.remove(&old_key.old.join(".")).unwrap_or(0);
         let place = Place {
             file: self.file.clone(),
             line,
         };
-        self.notices.push(format!("{place}: {notice}"));
-        self.lines.extend(new.map(|new| (new, line)));
+        if let OldKeyNow::Renamed { new, .. } = &old_key.now {
+            self.lines.insert(new.join("."), line);
+        }
+        self.old_keys.push(OldKey {
+            place: place.to_string(),
+            ..old_key
+        });
     }
 
-    /// Old spellings of the file, each with the new one.
-    pub fn notices(&self) -> &[String] {
-        &self.notices
+    /// Old keys of the file, each with the new one.
+    pub fn old_keys(&self) -> &[OldKey] {
+        &self.old_keys
     }
 
     /// That a key has its value from an option of the command line, and no longer from the file.

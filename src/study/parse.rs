@@ -6,7 +6,7 @@ use toml::de::{DeTable, DeValue};
 use super::choices::GeometryChoice;
 use super::fields::{self, Field, Kind};
 use super::keys::{self, RigSection, SECTIONS, Study};
-use super::old_keys::{Now, OLD_KEYS, OldKey};
+use super::old_keys::{FORMER_KEYS, FormerKey};
 use super::{Origin, Place, StudyError};
 use crate::text::is_path;
 
@@ -82,13 +82,9 @@ pub(super) fn study(text: &str, file: &str) -> Result<Study, StudyError> {
     }
     let mut table: toml::Table = toml::from_str(text).map_err(|e| source.syntax(&e))?;
     let mut origin = origin(&source, document.get_ref());
-    for old in OLD_KEYS {
-        if let Some(notice) = old.apply(&mut table) {
-            let new = match old.now {
-                Now::Renamed { section, key, .. } => Some(fields::path(section, key)),
-                Now::Dropped(_) => None,
-            };
-            origin.replace(&fields::path(old.section, old.field.key), new, &notice);
+    for former in FORMER_KEYS {
+        if let Some(old_key) = former.apply(&mut table) {
+            origin.replace(old_key);
         }
     }
     let mut study: Study = table.try_into().map_err(|e| source.syntax(&e))?;
@@ -133,7 +129,7 @@ fn check_table(source: &Source, document: &DeTable, faults: &mut Vec<Fault>) {
 
 /// Whether it is a section, now or in an old spelling.
 pub(super) fn is_section(name: &str) -> bool {
-    SECTIONS.iter().any(|s| !s.name.is_empty() && s.name == name) || OldKey::of(name).next().is_some()
+    SECTIONS.iter().any(|s| !s.name.is_empty() && s.name == name) || FormerKey::of(name).next().is_some()
 }
 
 fn check_section(source: &Source, section: &str, table: &DeTable, faults: &mut Vec<Fault>) {
@@ -141,7 +137,7 @@ fn check_section(source: &Source, section: &str, table: &DeTable, faults: &mut V
         let name = key.get_ref().as_ref();
         if let Some(field) = keys::find(section, name) {
             faults.extend(check_value(source, section, field, value));
-        } else if let Some(old) = OldKey::of(section).find(|old| old.field.key == name) {
+        } else if let Some(old) = FormerKey::of(section).find(|old| old.field.key == name) {
             faults.extend(check_value(source, section, &old.field, value));
         } else {
             let offset = key.span().start;
@@ -212,7 +208,7 @@ fn unknown(source: &Source, section: &str, key: &str, offset: usize) -> StudyErr
         .find(|s| s.name == section)
         .map_or(&[][..], |s| s.fields);
     let mut known: Vec<&str> = fields.iter().map(|f| f.key).collect();
-    known.extend(OldKey::of(section).map(|old| old.field.key));
+    known.extend(FormerKey::of(section).map(|old| old.field.key));
     if section.is_empty() {
         known.extend(SECTIONS.iter().map(|s| s.name).filter(|n| !n.is_empty()));
     }

@@ -4,8 +4,8 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
 
-/// The fractions of a ledger: an enum from which the ledger, its columns in tables and its arrays in files come. Declared
-/// with [`fractions!`].
+/// The fractions of a ledger: an enum from which the ledger, its columns in tables and its arrays in files come.
+/// Declared with [`fractions!`].
 pub trait FractionList: Copy + fmt::Debug + Eq + 'static {
     /// Every fraction, in the order of the arrays in files.
     const ALL: &'static [Self];
@@ -66,13 +66,14 @@ fractions! {
         Absorbed = "absorbed",
         /// Weight that Russian roulette removed less what it added; 0 in the mean.
         RouletteNet = "roulette",
-        /// Weight that the balance heuristic of shared paths removed less what it added while it weighed a path for each
-        /// wavelength, and what single precision rounded off; 0 in the mean, and 0 for paths of one wavelength.
-        MisNet = "sharing",
+        /// Weight that the balance heuristic of shared paths removed less what it added while it weighed a path for
+        /// each wavelength, and what single precision rounded off; 0 in the mean, and 0 for paths of one wavelength.
+        MisNet = "mis_net",
     }
 }
 
-/// Where light went: the amount of each of the N fractions of a list, as sums over paths or as fractions of the incident flux.
+/// Where light went: the amount of each of the N fractions of a list, as sums over paths or as fractions of the
+/// incident flux.
 #[derive(Clone, Copy, PartialEq)]
 pub struct LedgerOf<F, const N: usize> {
     amounts: [f64; N],
@@ -182,8 +183,8 @@ pub enum Column {
 impl Column {
     pub const COUNT: usize = Fraction::COUNT + 1;
 
-    /// Every column in the order of `energy.csv`: the residual follows the net of all sampling, and fractions that were added to the
-    /// list later come last.
+    /// Every column in the order of `energy.csv`: the residual follows the net of all sampling, and fractions that were
+    /// added to the list later come last.
     pub const ALL: [Self; Self::COUNT] = {
         let mut all = [Self::Residual; Self::COUNT];
         let mut k = 0;
@@ -246,7 +247,7 @@ mod tests {
             "residual",
         ];
         assert_eq!(names[..6], fixed);
-        assert_eq!(names[6], "sharing");
+        assert_eq!(names[6], "mis_net");
         assert!(
             Column::ALL
                 .iter()

@@ -11,7 +11,7 @@ impl Estimate {
     /// Mean of equally weighted batches, summed in their order, and the standard error of that mean; 0 for one batch.
     pub fn from_batches(batches: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
         let n = batches.len() as f64;
-        // A sum of zeros can be −0, which is no value of its own.
+        // A sum of zeros can be −0; adding 0 makes it +0.
         let value = batches.clone().sum::<f64>() / n + 0.0;
         let square: f64 = batches.map(|x| (x - value) * (x - value)).sum();
         Self {
@@ -24,7 +24,7 @@ impl Estimate {
         }
     }
 
-    /// The same from Σ x and Σ x² of so many batches.
+    /// The same from Σ x and Σ x² over this number of batches.
     pub fn from_sums(batches: u64, sum: f64, square: f64) -> Self {
         let n = batches as f64;
         let value = sum / n + 0.0;
@@ -40,12 +40,12 @@ impl Estimate {
     }
 }
 
-/// 1, but for the fault of halved errors.
+/// Factor on standard errors: 1 unless the fault of halved errors is injected.
 fn errors() -> f64 {
     if fault::active(Fault::ErrorsHalved) { 0.5 } else { 1.0 }
 }
 
-/// Many values of which only the sums over batches are kept: Σ x and Σ x², whatever the number of batches. Batches are
+/// Σ x and Σ x² over batches for each of many values; memory does not grow with the number of batches. Batches are
 /// added in their order, so that the same batches give the same bits.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BatchSums {
@@ -63,7 +63,7 @@ impl BatchSums {
         }
     }
 
-    /// Adds one batch, as many values as there are.
+    /// Adds one batch, one number for each value.
     pub fn add<T: Copy + Into<f64>>(&mut self, batch: &[T]) {
         self.batches += 1;
         for ((sum, square), x) in self.sum.iter_mut().zip(&mut self.square).zip(batch) {
@@ -85,7 +85,7 @@ mod tests {
     use approx::assert_relative_eq;
 
     #[test]
-    fn kept_and_summed_batches_agree() {
+    fn estimates_from_batches_and_from_their_sums_agree() {
         let batches = [1.0, 2.0, 6.0];
         let kept = Estimate::from_batches(batches.iter().copied());
         let mut sums = BatchSums::zeros(2);

@@ -4,14 +4,14 @@ use crate::geometry::Vec3;
 use crate::transport::{ENTRY_COORDINATES, Entry, Ledger, Purpose};
 use rayon::prelude::*;
 
-/// The energy ledger of light that meets the yarn from each of the incident directions. By the cylinder's symmetry one
-/// point of entry stands for all.
+/// Traces the energy ledger of light that meets the yarn from each of the incident directions. By the cylinder's
+/// symmetry one point of entry represents all.
 pub struct EnergyTracer<'a> {
     tracer: Tracer<'a, Point>,
     lengths: Option<LengthBins>,
 }
 
-/// Light onto one point of a yarn; a part is one of the incident directions.
+/// Light source that illuminates one point of a yarn; a part is one of the incident directions.
 struct Point {
     position: Vec3,
     incident: IncidentGrid,
@@ -36,7 +36,7 @@ impl LightSource for Point {
 pub struct EnergyBatch {
     /// Traced direction × wavelength, wavelength fastest.
     pub ledgers: Vec<Ledger>,
-    /// What left by path length, where it was asked for: traced direction × wavelength × bin of the fractions
+    /// Light that left, by path length; empty without bins: traced direction × wavelength × bin of the fractions
     /// (ballistic, scattered) and of the fractions times path length in mm.
     pub lengths: Vec<[f64; 4]>,
 }

@@ -1,19 +1,20 @@
 use super::YarnError;
 use crate::transport::Estimate;
 
-/// Upper edges of the first bins in radii; further ones double. Light of a dyed yarn leaves within 4 R, and its lengths
-/// pile up below 2 R and 4 R, the yarn's diameter and twice that: even steps there cost re-absorption a quarter of the
-/// error that doubled ones do (0.2 % instead of 0.8 % of f* for κ_0 0.0065 → 0.004 in the dye's band).
+/// Upper edges of the first bins in radii; further ones double. Most light of a dyed yarn leaves within 4 R, and its
+/// path lengths cluster just below 2 R and 4 R, the yarn's diameter and twice that. Equal steps there give
+/// re-absorption a quarter of the error of doubling ones (0.2 % instead of 0.8 % of f* for κ_0 0.0065 → 0.004 in the
+/// dye's band).
 const EDGES_IN_RADII: [f64; 7] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 8.0];
 
-/// Bins of the length of a path inside the yarn; the last has no end.
+/// Bins of the length of a path inside the yarn; the last has no upper edge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LengthBins {
     edges_mm: Vec<f64>,
 }
 
 impl LengthBins {
-    /// As many as re-absorption needs at the default study.
+    /// Number of bins that re-absorption needs at the default study.
     pub const DEFAULT: usize = EDGES_IN_RADII.len() + 1;
 
     pub fn new(radius_mm: f64, bins: usize) -> Result<Self, YarnError> {
@@ -32,7 +33,7 @@ impl LengthBins {
         })
     }
 
-    /// Bins of a file: the upper edge of every bin but the last, mm.
+    /// Bins from a file, by the upper edge of every bin but the last, mm.
     ///
     /// # Errors
     /// Edges that do not ascend from above 0.
@@ -63,15 +64,16 @@ impl LengthBins {
     }
 }
 
-/// What a table holds, split by path length: for each cell, bin and wavelength (fastest) the amount, and the amount
-/// times path length in mm. Single precision: its rounding is far below the noise of a cell.
+/// A table split by path length: for each cell, bin and wavelength (fastest) the amount, and the amount times path
+/// length in mm. Single precision: its rounding is far below the noise of a cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LengthTally {
     pub amount: Vec<f32>,
     pub moment_mm: Vec<f32>,
 }
 
-/// Tallies by path length added up batch by batch, in their order: Σ x, Σ x² of the amount, Σ of its moment.
+/// Sums over batches of tallies by path length, in the order of the batches: Σ x and Σ x² of the amount, Σ of its
+/// moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LengthSums {
     pub batches: u64,
@@ -90,7 +92,7 @@ impl LengthSums {
         }
     }
 
-    /// Adds one batch, as many values as there are.
+    /// Adds one batch, one number for each value.
     pub fn add(&mut self, batch: &LengthTally) {
         self.batches += 1;
         let moments = self.moment_mm.iter_mut().zip(&batch.moment_mm);
@@ -112,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_length_falls_between_the_edges_of_its_bin() {
+    fn length_lies_between_the_edges_of_its_bin() {
         let bins = LengthBins::new(0.15, LengthBins::DEFAULT + 2).unwrap();
         assert!(bins.edges_mm().is_sorted() && bins.bins() == 10);
         assert_eq!(bins.edges_mm()[8], 32.0 * 0.15);

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use crate::batch_statistics::all_zero;
 use serde_json::Value;
-use specval::cloth::light::{Beam, HemisphereNodes};
+use specval::cloth::light::{Beam, ClothFraction, HemisphereNodes};
 use specval::formats::{Channels, Encoding, Format, KlemsBasis, ReadOptions, Scatter, Side, Table, direction, read};
 use specval::rig::bsdf::{Cells, Colours, FullBsdf, FullMeasurement, Symmetry, symmetries};
 use specval::run::{Plan, volumetric_cloth};
@@ -57,14 +57,16 @@ fn white_cloth_returns_all_light() {
     for bsdf in repeated(&plan, &coarse(), &group, false, 1, 0) {
         let rows = bsdf.hemispherical();
         for row in &rows {
-            assert_eq!(row.absorbed, 0.0);
+            assert_eq!(row[ClothFraction::Absorbed].value, 0.0);
             assert!(row.residual.abs() < 1e-6, "{row:?}");
-            assert!(row.through_gaps > 0.0 || row.theta_i_deg > 0.0, "{row:?}");
-            assert!((row.transmittance - row.through_yarns - row.through_gaps).abs() < 1e-12);
+            let gaps = row[ClothFraction::ThroughGaps].value;
+            assert!(gaps > 0.0 || row.theta_i_deg > 0.0, "{row:?}");
+            let yarns = row[ClothFraction::ThroughYarns].value;
+            assert!((row.transmittance.value - yarns - gaps).abs() < 1e-12);
         }
         lost.push(
             rows.iter()
-                .map(|row| 1.0 - row.reflectance - row.transmittance)
+                .map(|row| 1.0 - row[ClothFraction::Reflected].value - row.transmittance.value)
                 .collect(),
         );
     }

@@ -30,7 +30,7 @@ sharing = 1.0
 roulette = 1.0
 scattering_angle = 1.0
 cylinder = 1.0
-two_roads = 1.0
+two_estimators = 1.0
 reciprocity = 1.0
 cloth = 1.0
 ";

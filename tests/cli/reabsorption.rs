@@ -1,5 +1,5 @@
-//! Re-absorbed artefacts against retraced ones, and the laws of the re-weighting. Seeds are fixed; the false-alarm rates are
-//! those of new seeds.
+//! Re-absorbed artefacts against retraced ones, and the laws of the re-weighting. Seeds are fixed; the false-alarm
+//! rates are those of new seeds.
 
 use specval::geometry::Vec3;
 use specval::optics::Medium;
@@ -26,7 +26,8 @@ fn study(seed: u64, medium: MediumSection) -> Study {
     };
     study.spectrum.wavelengths_nm = Some(WAVELENGTHS_NM.to_vec());
     let trace = &mut study.trace;
-    // A path for each wavelength: their tests are then independent, and cells of a dyed wavelength not noisier than others.
+    // A path for each wavelength: their tests are then independent, and cells of a dyed wavelength not noisier than
+    // others.
     trace.estimator = EstimatorChoice::Independent;
     trace.batches = 64;
     trace.paths_direct = 64 * 1000;
@@ -70,8 +71,8 @@ fn changed(of: YarnArtefact, medium: MediumSection) -> YarnArtefact {
     reabsorb(of, "0".repeat(64), medium).unwrap()
 }
 
-/// χ² of the differences at one wavelength, with their number: all cells of f* that light reaches, and what leaves for every traced
-/// direction.
+/// χ² of the differences at one wavelength, with their number: all cells of f* that light reaches, and what leaves for
+/// every traced direction.
 fn chi_squared(reabsorbed: &YarnArtefact, retraced: &YarnArtefact, wavelength: usize) -> (f64, f64) {
     let n = WAVELENGTHS_NM.len();
     let systematic = reabsorbed.systematic.as_ref().unwrap();
@@ -83,8 +84,9 @@ fn chi_squared(reabsorbed: &YarnArtefact, retraced: &YarnArtefact, wavelength: u
             count += 1.0;
         }
     };
-    for i in (wavelength..reabsorbed.direct.mean.len()).step_by(n) {
-        let [a, b] = [&reabsorbed.direct, &retraced.direct].map(|table| (table.mean[i], f64::from(table.se[i])));
+    for i in (wavelength..reabsorbed.tables.direct.mean.len()).step_by(n) {
+        let [a, b] =
+            [&reabsorbed.tables.direct, &retraced.tables.direct].map(|table| (table.mean[i], f64::from(table.se[i])));
         add(a.0 - b.0, [a.1, b.1, systematic.direct[i].into()]);
     }
     let incident = reabsorbed.layout.incident;
@@ -115,8 +117,8 @@ fn chi_squared(reabsorbed: &YarnArtefact, retraced: &YarnArtefact, wavelength: u
     (sum, count)
 }
 
-/// 4 changes × 6 wavelengths, χ² over 232 values each below its 1 − 0.001/24 quantile: false alarms 0.1 %. Standard errors
-/// from 64 batches on either side raise the mean of a square by 1.6 %, by which the quantile is scaled.
+/// 4 changes × 6 wavelengths, χ² over 232 values each below its 1 − 0.001/24 quantile: false alarms 0.1 %. Standard
+/// errors from 64 batches on either side raise the mean of a square by 1.6 %, by which the quantile is scaled.
 #[test]
 fn reabsorbed_tables_and_ledgers_agree_with_retraced_ones() {
     let cases = [
@@ -155,24 +157,32 @@ fn fractions(row: &EnergyRow) -> [f64; 5] {
 }
 
 #[test]
-fn no_change_changes_nothing() {
+fn zero_change_of_absorption_keeps_every_table() {
     let before = dyed();
     let mut after = before.clone();
     let medium = Plan::new(before.layout.settings.study.clone()).unwrap().yarn.medium;
     let bins = LengthBins::from_edges(before.layout.axes.length_edges_mm.clone()).unwrap();
     let change = Reabsorption::new(bins, &medium, &medium).unwrap();
-    let mut systematic = vec![0.0; before.direct.mean.len()];
-    let lengths = &mut after.by_length;
+    let mut systematic = vec![0.0; before.tables.direct.mean.len()];
+    let lengths = &mut after.tables.by_length;
     let by_length = ByLength {
         mean: &mut lengths.mean,
         se: &mut lengths.se,
         moment_mm: &mut lengths.moment_mm,
     };
     change
-        .table(&mut after.direct.mean, &mut after.direct.se, by_length, &mut systematic)
+        .table(
+            &mut after.tables.direct.mean,
+            &mut after.tables.direct.se,
+            by_length,
+            &mut systematic,
+        )
         .unwrap();
     let ratios = change
-        .energy(&mut after.energy_by_length.mean, &mut after.energy_by_length.se)
+        .energy(
+            &mut after.tables.energy_by_length.mean,
+            &mut after.tables.energy_by_length.se,
+        )
         .unwrap();
     assert!(systematic.iter().all(|&error| error == 0.0));
     assert!(
@@ -181,23 +191,26 @@ fn no_change_changes_nothing() {
             .flatten()
             .all(|r| r.systematic == 0.0 && r.effective_share > 1.0 - 1e-12)
     );
-    for (a, b) in zip(&before.direct.mean, &after.direct.mean) {
+    for (a, b) in zip(&before.tables.direct.mean, &after.tables.direct.mean) {
         assert!(relative(*a, *b) < 1e-14, "{a} {b}");
     }
-    for (a, b) in zip(&before.energy_by_length.mean, &after.energy_by_length.mean) {
+    for (a, b) in zip(
+        &before.tables.energy_by_length.mean,
+        &after.tables.energy_by_length.mean,
+    ) {
         assert!(relative(*a, *b) < 1e-14, "{a} {b}");
     }
-    assert_eq!(before.direct.se, after.direct.se);
-    assert_eq!(before.by_length.mean, after.by_length.mean);
-    for (a, b) in zip(&before.by_length.moment_mm, &after.by_length.moment_mm) {
+    assert_eq!(before.tables.direct.se, after.tables.direct.se);
+    assert_eq!(before.tables.by_length.mean, after.tables.by_length.mean);
+    for (a, b) in zip(&before.tables.by_length.moment_mm, &after.tables.by_length.moment_mm) {
         assert!(relative(f64::from(*a), f64::from(*b)) < 1e-6, "{a} {b}");
     }
 }
 
-/// Bins that many paths fill come back to single precision; few paths in a bin are taken to be spread less widely, which
-/// returns to second order of the change. 6e-4 standard errors was the worst cell.
+/// Bins that many paths fill come back to single precision; few paths in a bin are taken to be spread less widely,
+/// which returns to second order of the change. 6e-4 standard errors was the worst cell.
 #[test]
-fn there_and_back_again() {
+fn absorption_changed_and_changed_back_restores_the_tables() {
     let before = dyed();
     let there = changed(before.clone(), medium(0.004, "preprint-red", 0.1));
     let back = changed(there, MediumSection::default());
@@ -207,8 +220,8 @@ fn there_and_back_again() {
         }
     }
     let mut worst: f64 = 0.0;
-    for (i, (a, b)) in zip(&before.direct.mean, &back.direct.mean).enumerate() {
-        worst = worst.max((a - b).abs() / f64::from(before.direct.se[i]));
+    for (i, (a, b)) in zip(&before.tables.direct.mean, &back.tables.direct.mean).enumerate() {
+        worst = worst.max((a - b).abs() / f64::from(before.tables.direct.se[i]));
     }
     assert!(worst < 0.001, "{worst} standard errors");
     assert_eq!(back.layout.settings.reabsorbed.len(), 2);
@@ -235,13 +248,13 @@ fn the_ledger_stays_closed_and_the_bins_add_up() {
         );
     }
     let (n, bins) = (WAVELENGTHS_NM.len(), after.layout.bins());
-    for (cell, rows) in after.by_length.mean.chunks(n * bins).enumerate() {
+    for (cell, rows) in after.tables.by_length.mean.chunks(n * bins).enumerate() {
         for w in 0..n {
             let sum: f64 = (0..bins).map(|bin| f64::from(rows[bin * n + w])).sum();
-            assert!(relative(sum, after.direct.mean[cell * n + w]) < 1e-5);
+            assert!(relative(sum, after.tables.direct.mean[cell * n + w]) < 1e-5);
         }
     }
-    assert!(after.bssrdf.is_none() && after.summed.is_none());
+    assert!(after.tables.bssrdf.is_none() && after.tables.summed.is_none());
 }
 
 /// Light that crosses the yarn without meeting a particle is known exactly: T² e^(−μ_t L) along one chord.
@@ -267,7 +280,7 @@ fn ballistic_light_loses_exactly_what_the_law_says() {
 }
 
 #[test]
-fn taking_all_dye_away_warns_and_a_little_less_does_not() {
+fn removing_all_dye_gives_a_notice_and_a_small_change_none() {
     let kinds = |medium| -> Vec<NoticeKind> {
         let after = changed(dyed(), medium);
         after.layout.settings.reabsorbed[0]
@@ -359,10 +372,10 @@ fn exits(medium: &Medium, changes: &[Vec<f64>], paths: usize) -> Exits {
     exits
 }
 
-/// The same paths, re-weighted one by one and by bins, in 18 cells × 6 wavelengths: the difference in stated systematic errors
-/// was 0.51 rms and 1.39 at most.
+/// The same paths, re-weighted one by one and by bins, in 18 cells × 6 wavelengths: the difference in stated systematic
+/// errors was 0.51 rms and 1.39 at most.
 #[test]
-fn bins_do_as_well_as_paths_within_the_systematic_error() {
+fn reweighting_by_bins_agrees_with_paths_within_the_systematic_error() {
     let grid = WavelengthGrid::new(WAVELENGTHS_NM.to_vec()).unwrap();
     let of = |medium: MediumSection| Plan::new(study(1, medium)).unwrap().yarn.medium;
     let traced = of(MediumSection::default());
@@ -430,7 +443,7 @@ fn message(result: Result<YarnArtefact, RunError>) -> String {
 }
 
 #[test]
-fn what_cannot_be_changed_is_refused() {
+fn unsupported_changes_are_refused() {
     let to = |medium| message(reabsorb(dyed(), String::new(), medium));
     assert!(to(MediumSection::default()).contains("a medium that absorbs otherwise"));
     assert!(to(medium(-0.1, "preprint-red", 0.0)).contains("`medium.kappa_peak`: expected a number, 0 to 10"));
@@ -456,7 +469,7 @@ fn what_cannot_be_changed_is_refused() {
 
 /// From file to file, again from the new file, and what is no artefact of a trace.
 #[test]
-fn the_command_changes_files() {
+fn reabsorb_command_writes_a_changed_trace() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     dyed().write(&path("dyed")).unwrap();

@@ -105,19 +105,19 @@ fn report_files(study: &str, estimator: &str, threads: &str) -> Vec<(String, Vec
     assert_eq!(energy.len(), 5 * 144);
     for wavelength in energy.chunks(144) {
         let column = |k: usize| -> Vec<f64> { wavelength.iter().map(|row| row[k].parse().unwrap()).collect() };
-        let (residuals, sharing) = (column(13), column(15));
+        let (residuals, mis_net) = (column(13), column(15));
         assert!(residuals.iter().all(|r| r.abs() <= 1e-12), "{residuals:?}");
         if estimator == "independent" {
-            assert!(sharing.iter().all(|s| *s == 0.0), "{sharing:?}");
+            assert!(mis_net.iter().all(|s| *s == 0.0), "{mis_net:?}");
             continue;
         }
         // What the balance takes is 0 in the mean, here over the 36 directions that are traced, of which the
         // others are copies: |t| with 35 degrees of freedom above 4.1 at one of 5 wavelengths, false alarms 0.1 %.
-        let mean = sharing.iter().sum::<f64>() / 144.0;
-        let variance = sharing.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / 144.0 * 36.0 / 35.0;
+        let mean = mis_net.iter().sum::<f64>() / 144.0;
+        let variance = mis_net.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / 144.0 * 36.0 / 35.0;
         assert!(
             variance > 0.0 && mean.abs() <= 4.1 * (variance / 36.0).sqrt(),
-            "{mean} of {sharing:?}"
+            "{mean} of {mis_net:?}"
         );
     }
     assert_eq!(rows(&folder.path().join("out/curves.csv")).len(), 3 * 27 * 3 * 4);
@@ -169,7 +169,7 @@ fn a_result_is_drawn_again_to_the_same_bytes() {
 }
 
 #[test]
-fn a_result_that_is_none_is_refused() {
+fn file_that_is_no_result_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let of_version = |version: u32| format!("{{\"format\":\"specval result\",\"format_version\":{version}}}");
     for (content, arguments, word) in [
@@ -265,18 +265,18 @@ fn trace_keeps_what_it_says() {
     assert_eq!((yarn.batches, yarn.layout.wavelengths()), (4, 5));
     assert_eq!(yarn.energy.len(), 5 * 144);
     // Tilt, azimuth to 180°, exit cell, wavelength; direction, azimuth, z with overflow, exit cell, wavelength.
-    assert_eq!(yarn.direct.mean.len(), 4 * 6 * 32 * 5);
+    assert_eq!(yarn.tables.direct.mean.len(), 4 * 6 * 32 * 5);
     assert_eq!(yarn.layout.bssrdf_shape, [36, 20, 10, 8, 5]);
     // The bins of path length add to f*, in single precision.
-    for (cell, bins) in yarn.by_length.mean.chunks(BINS * 5).enumerate() {
-        for (wavelength, f) in yarn.direct.mean[cell * 5..][..5].iter().enumerate() {
+    for (cell, bins) in yarn.tables.by_length.mean.chunks(BINS * 5).enumerate() {
+        for (wavelength, f) in yarn.tables.direct.mean[cell * 5..][..5].iter().enumerate() {
             let sum: f32 = bins.iter().skip(wavelength).step_by(5).sum();
             approx::assert_relative_eq!(f64::from(sum), *f, max_relative = 1e-5);
         }
     }
     // Of all incident light as much leaves by path length as the ledger says.
     let row = yarn.energy.iter().find(|row| row.wavelength_nm == 600.0).unwrap();
-    let first = &yarn.energy_by_length.mean[3 * BINS * 4..][..BINS * 4];
+    let first = &yarn.tables.energy_by_length.mean[3 * BINS * 4..][..BINS * 4];
     for (part, expected) in [(0, row[Fraction::Ballistic].value), (1, row[Fraction::Scattered].value)] {
         let sum: f64 = first.iter().skip(part).step_by(4).sum();
         approx::assert_relative_eq!(sum, expected, max_relative = 1e-12);
@@ -427,4 +427,46 @@ fn every_reading_of_a_sample_without_the_normal_is_accounted_for() {
 
 fn rows_of(path: &Path, source: &str) -> Vec<csv::StringRecord> {
     rows(path).into_iter().filter(|row| &row[2] == source).collect()
+}
+
+/// Two samples and one without readings: the first normalises the curves, each has its own errors, and none changes the others.
+#[test]
+fn samples_are_compared_side_by_side() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("study.toml"), SMALL).unwrap();
+    fs::write(
+        folder.path().join("empty.csv"),
+        "theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b\n77,3,0.1,0.1,0.1\n",
+    )
+    .unwrap();
+    let first = ["report", "study.toml", "--measured", "merl-red-fabric"];
+    let others = ["--measured", "merl-red-fabric2", "--measured", "empty.csv"];
+    succeed(folder.path(), &[&first[..], &["--out", "one"]].concat());
+    let summary = succeed(folder.path(), &[&first[..], &others[..], &["--out", "all"]].concat());
+    for words in [
+        "model and classical against measured:",
+        "model and classical against measured-2:",
+        "fallback: sample empty has no reading at any geometry",
+    ] {
+        assert!(summary.contains(words), "{words}: {summary}");
+    }
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let (one, all) = (read("one/curves.csv"), read("all/curves.csv"));
+    let without: Vec<&str> = all.lines().filter(|line| !line.contains(",measured-2,")).collect();
+    assert_eq!(without, one.lines().collect::<Vec<_>>());
+    assert!(all.lines().count() > one.lines().count());
+    let document: Value = serde_json::from_str(&read("all/report.json")).unwrap();
+    assert_eq!(document["table1"][2]["row"], "measured-2");
+    assert_eq!(document["more_samples"].as_array().unwrap().len(), 2);
+    let alone: Value = serde_json::from_str(&read("one/report.json")).unwrap();
+    assert_eq!(document["normalisation"], alone["normalisation"]);
+    let other = &document["normalisation_to_others"]["measured-2"]["model"]["value"];
+    assert!(other.is_f64() && *other != alone["normalisation"]["model"]["value"]);
+    assert!(
+        read("all/graph1.svg").contains("merl-red-fabric2"),
+        "the legend names the second sample"
+    );
+    succeed(folder.path(), &["report", "--from", "all", "--out", "again"]);
+    assert_eq!(read("again/graph4.svg"), read("all/graph4.svg"));
+    assert_eq!(read("again/report.json"), read("all/report.json"));
 }

@@ -1,5 +1,5 @@
-//! Traces dealt over machines and put together again, as typed: the merge is the single run bit for bit, and whatever does
-//! not belong together is refused by name, its files untouched.
+//! Traces dealt over machines and put together again, as typed: the merge is the single run bit for bit, and whatever
+//! does not belong together is refused by name, its files untouched.
 
 use specval::run::YarnArtefact;
 use specval::transport::Fraction;
@@ -59,7 +59,8 @@ fn refuse(folder: &Path, arguments: &[&str], words: &[&str]) {
     assert!(contents(folder) == before, "{arguments:?} changed the folder");
 }
 
-/// Names and contents of a folder's files, but for the empty lock and the begun file that a killed run leaves and any other takes away.
+/// Names and contents of a folder's files, but for the empty lock and the begun file that a killed run leaves and any
+/// other takes away.
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files: Vec<_> = fs::read_dir(folder)
         .unwrap()
@@ -151,7 +152,7 @@ fn merged_shards_are_the_single_run_bit_for_bit() {
 }
 
 #[test]
-fn a_set_that_is_no_study_is_refused_by_name() {
+fn incomplete_or_overlapping_sets_of_shards_are_refused_by_name() {
     let folder = folder();
     let folder = folder.path();
     let [a, b, c] = &shards(folder, 3, "1")[..] else {
@@ -282,7 +283,7 @@ fn foreign_and_unsound_files_are_refused_by_name() {
 }
 
 #[test]
-fn shards_that_cannot_be_are_refused() {
+fn impossible_shard_numbers_are_refused() {
     let folder = folder();
     let folder = folder.path();
     let shard = |of: &str, words: &[&str]| {
@@ -339,7 +340,7 @@ fn batches(folder: &Path) -> u64 {
 }
 
 #[test]
-fn a_killed_trace_goes_on_to_the_same_bytes() {
+fn killed_traces_resume_to_the_same_bytes() {
     let folder = long_folder();
     let folder = folder.path();
     let printed = succeed(folder, &TRACE);
@@ -414,7 +415,7 @@ fn a_trace_stops_at_the_precision_of_the_scattered_light() {
 }
 
 #[test]
-fn a_state_of_more_than_was_asked_for_is_refused() {
+fn states_beyond_the_stop_rule_are_refused() {
     let folder = folder();
     let folder = folder.path();
     let until = |precision: &'static str| [&TRACE[..], &["--until", precision]].concat();

@@ -136,7 +136,7 @@ fn absorbed_is_absorption_alone() {
                 "absorbed",
                 "reflection_dropped",
                 "bounces_cut",
-                "games",
+                "sampling_net",
             ];
             let sum: f64 = parts.iter().map(|column| of(&row, column)).sum();
             assert!((sum - 1.0).abs() < 1e-9, "{name}: {row:?}");

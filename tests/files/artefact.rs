@@ -159,7 +159,7 @@ fn every_other_length_is_refused() {
 }
 
 #[test]
-fn another_kind_version_or_program_is_told() {
+fn other_kinds_versions_and_programs_are_refused() {
     let (folder, path) = state();
     let error = Reader::open(&path, Kind::Shard).unwrap_err();
     assert!(matches!(
@@ -206,7 +206,7 @@ fn another_kind_version_or_program_is_told() {
 
 /// Sizes in a header are not believed: no memory is taken for them.
 #[test]
-fn a_sealed_header_that_lies_is_refused() {
+fn inconsistent_headers_with_a_valid_checksum_are_refused() {
     let (_folder, path) = state();
     let whole = fs::read(&path).unwrap();
     let text = String::from_utf8_lossy(&whole[..whole.len() - 32 - 76]).into_owned();
@@ -237,7 +237,7 @@ fn a_sealed_header_that_lies_is_refused() {
 }
 
 #[test]
-fn another_run_is_told_by_its_settings() {
+fn files_of_another_run_are_refused_by_the_settings_that_differ() {
     let (_folder, path) = state();
     let reader = Reader::open(&path, Kind::State).unwrap();
     let mut other = settings();
@@ -368,7 +368,7 @@ fn two_writers_of_one_place_do_not_mix() {
 }
 
 #[test]
-fn a_place_that_cannot_be_written_is_told_at_once() {
+fn unwritable_places_are_refused_before_any_work() {
     let (folder, path) = state();
     let create = |path: &Path| Writer::create(path, Kind::State, &identity(), &header(), &arrays()).unwrap_err();
     let error = create(&folder.path().join("absent/run.state"));
@@ -407,7 +407,7 @@ fn links_and_devices_stay_what_they_are() {
 }
 
 #[test]
-fn another_shape_or_element_is_told() {
+fn other_shapes_and_elements_are_refused() {
     let (_folder, path) = state();
     let mut reader = Reader::open(&path, Kind::State).unwrap();
     let text = reader.array::<f64>("mean", &[3, 2]).unwrap_err().to_string();

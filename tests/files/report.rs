@@ -12,7 +12,7 @@ fn text(bytes: Vec<u8>) -> String {
 }
 
 #[test]
-fn headers_are_the_fixed_names_and_agree_with_the_rows() {
+fn table_headers_are_fixed_and_match_the_rows() {
     let data = data();
     let tables = [
         (
@@ -30,7 +30,7 @@ fn headers_are_the_fixed_names_and_agree_with_the_rows() {
         (
             energy_csv(&data).unwrap(),
             "wavelength_nm,theta_in_deg,phi_in_deg,reflected,reflected_se,ballistic,ballistic_se,scattered,\
-             scattered_se,absorbed,absorbed_se,roulette,roulette_se,residual,residual_se,sharing,sharing_se",
+             scattered_se,absorbed,absorbed_se,roulette,roulette_se,residual,residual_se,mis_net,mis_net_se",
             2,
             serde_json::to_value(&data.energy[0]).unwrap(),
         ),
@@ -69,7 +69,7 @@ fn numbers_are_the_shortest_that_read_back_exactly() {
 }
 
 #[test]
-fn a_missing_value_is_an_empty_cell_and_null() {
+fn missing_value_is_empty_cell_and_null() {
     let table = text(table1_csv(&data()).unwrap());
     assert_eq!(table.lines().nth(1), Some("published,0.08,,0.011,"));
     let document: serde_json::Value = serde_json::from_str(&report_json(&data()).unwrap()).unwrap();
@@ -84,7 +84,7 @@ fn tables_without_rows_keep_their_header() {
 }
 
 #[test]
-fn the_markdown_table_says_what_its_numbers_are() {
+fn markdown_table_has_conventions_footnotes_and_notices() {
     let markdown = table1_markdown(&data());
     for expected in [
         "| published[^published] | 0.08 | 0.011 |",
@@ -97,6 +97,24 @@ fn the_markdown_table_says_what_its_numbers_are() {
         "the sweep's blue/red range 0.0470..0.2600 covers the preprint's 0.05..0.25",
     ] {
         assert!(markdown.contains(expected), "{expected} is missing in\n{markdown}");
+    }
+}
+
+/// The result of the reference study is of the version that this program reads, and draws its report.
+#[test]
+fn committed_result_draws_the_committed_tables() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/preprint");
+    let data = read_result(&folder).unwrap();
+    let files = [
+        ("table1.csv", table1_csv(&data).unwrap()),
+        ("table1.md", table1_markdown(&data).into_bytes()),
+        ("curves.csv", curves_csv(&data).unwrap()),
+        ("energy.csv", energy_csv(&data).unwrap()),
+        ("report.json", report_json(&data).unwrap().into_bytes()),
+        (RESULT, result_json(&data).unwrap()),
+    ];
+    for (name, bytes) in files {
+        assert!(std::fs::read(folder.join(name)).unwrap() == bytes, "{name}");
     }
 }
 
@@ -125,7 +143,7 @@ fn report_json_has_the_fixed_fields() {
 
 /// The result holds them as data, the report in words.
 #[test]
-fn notices_and_fallbacks_are_read_back_and_worded_once() {
+fn notices_and_fallbacks_survive_the_result_file() {
     let paths = LongPaths {
         particles: 4e5,
         mu_s_per_mm: 1234.5,
@@ -213,7 +231,7 @@ fn notices_and_fallbacks_are_read_back_and_worded_once() {
 }
 
 #[test]
-fn the_terminal_summary_tells_verdicts_notices_and_fallbacks() {
+fn terminal_summary_has_verdicts_notices_and_fallbacks() {
     let summary = summary(&data());
     for expected in [
         "0.0110 ± 0.0011",
@@ -229,16 +247,22 @@ fn the_terminal_summary_tells_verdicts_notices_and_fallbacks() {
 }
 
 #[test]
-fn a_report_is_the_same_bytes_every_time_and_lands_whole() {
+fn report_is_reproducible_and_written_whole() {
     let data = data();
     let files = render(&data).unwrap();
     assert_eq!(files, render(&data).unwrap());
     let scratch = tempfile::tempdir().unwrap();
     let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
-    assert_eq!(names, file_names(3, false));
+    assert_eq!(
+        names,
+        file_names(&Outline {
+            incidences: 3,
+            approximations: false
+        })
+    );
     let folder = ReportFolder::prepare(&scratch.path().join("deep/er"), &names, &[], false).unwrap();
     for _ in 0..2 {
-        folder.write(&files).unwrap();
+        folder.write(&files, |_| false).unwrap();
         let mut found: Vec<_> = std::fs::read_dir(folder.path())
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -254,7 +278,7 @@ fn a_report_is_the_same_bytes_every_time_and_lands_whole() {
 }
 
 #[test]
-fn a_file_in_the_way_is_found_before_anything_is_written() {
+fn file_in_place_of_the_folder_is_refused_first() {
     let scratch = tempfile::tempdir().unwrap();
     let file = scratch.path().join("report");
     std::fs::write(&file, "mine").unwrap();
@@ -274,9 +298,11 @@ fn a_failed_write_leaves_the_earlier_report_alone() {
         name: name.to_owned(),
         bytes: bytes.to_vec(),
     };
-    folder.write(&[file("a", b"old")]).unwrap();
+    folder.write(&[file("a", b"old")], |_| false).unwrap();
     std::fs::create_dir(scratch.path().join("b")).unwrap();
-    let error = folder.write(&[file("a", b"new"), file("b", b"new")]).unwrap_err();
+    let error = folder
+        .write(&[file("a", b"new"), file("b", b"new")], |_| false)
+        .unwrap_err();
     assert!(matches!(error, OutputError::FolderInTheWay { .. }), "{error}");
     assert_eq!(std::fs::read(scratch.path().join("a")).unwrap(), b"old");
     // A name the file system refuses fails while staging; again nothing changes.

@@ -89,7 +89,7 @@ fn numbering_follows_the_number_of_incidences() {
 }
 
 #[test]
-fn without_a_measured_curve_nothing_is_said_of_a_sample() {
+fn sample_is_not_mentioned_without_a_measured_curve() {
     let mut data = data();
     data.curves = curves(&[30.0], &views(), &[Role::Model, Role::Classical]);
     let svg = graphs(&data)[0].svg().unwrap();
@@ -128,7 +128,7 @@ fn negative_values_single_views_and_missing_numbers_are_drawn() {
 
 /// Second sources of each role have their own line, colour, label, errors and footnote.
 #[test]
-fn sources_side_by_side_are_told_apart() {
+fn second_sources_have_their_own_curve_label_and_footnote() {
     let mut data = data();
     let second = |id: &SourceId| SourceId::from(format!("{id}-2"));
     let more: Vec<Source> = data

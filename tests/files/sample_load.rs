@@ -68,7 +68,7 @@ fn the_published_ratios() {
 }
 
 #[test]
-fn between_views_linear_and_flagged_outside_nothing() {
+fn readings_are_interpolated_between_views_but_not_extrapolated() {
     let convention = Convention::default();
     let text = format!("{RGB}0,10,0.4,0.2,0.1\n0,0,0.2,0.1,0.1\n30,0,9,9,9\n");
     let sample = load(
@@ -168,7 +168,7 @@ fn layouts_and_names_of_instruments_are_read_alike() {
 }
 
 #[test]
-fn noise_below_zero_is_read_and_other_units_are_told() {
+fn noise_below_zero_is_read_and_wrong_units_are_noticed() {
     let sample = load(format!("{SPECTRAL}0,0,450,-0.002\n0,0,550,0.4\n")).unwrap();
     assert_eq!(sample.raw().next().unwrap().beta, [-0.002, 0.4]);
     assert_eq!(
@@ -241,7 +241,7 @@ fn angles_read_anew_at_each_wavelength_are_one_geometry() {
 }
 
 #[test]
-fn a_bare_file_says_less() {
+fn bare_file_has_no_description() {
     let sample = load(format!("{RGB}0,0,0.2,0.1,0.1\n")).unwrap();
     assert_eq!((sample.name(), sample.description().kind), ("cloth", None));
     assert_eq!(sample.uncertainty(), Uncertainty::NotStated);
@@ -252,7 +252,7 @@ fn a_bare_file_says_less() {
 }
 
 #[test]
-fn the_digest_is_of_the_bytes() {
+fn digest_is_of_the_file_bytes() {
     // SHA-256 of the text, by sha256sum.
     let sample = load("theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b\n0,0,1,1,1\n").unwrap();
     assert_eq!(
@@ -262,7 +262,7 @@ fn the_digest_is_of_the_bytes() {
 }
 
 #[test]
-fn every_fault_is_found_with_its_line() {
+fn faults_are_reported_with_their_line() {
     let cases = [
         (String::new(), 1, "header line"),
         ("# nothing but a comment\n".into(), 1, "header line"),

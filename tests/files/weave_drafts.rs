@@ -300,10 +300,10 @@ fn the_old_key_of_drafts_is_read_with_a_notice() {
     let old = Study::from_toml(&format!("[weave]\ndraft = \"{path}\"\n"), "s").unwrap();
     let new = Study::from_toml(&format!("[cloth]\nweave = \"{path}\"\n"), "s").unwrap();
     assert_eq!(old, new);
-    assert!(new.origin.notices().is_empty());
+    assert!(new.origin.old_keys().is_empty());
     let notice =
         format!("s, line 2: `weave.draft` is now `cloth.weave`: write weave = \"{path}\" in [cloth] in its place");
-    assert_eq!(old.origin.notices(), std::slice::from_ref(&notice));
+    assert_eq!(old.origin.old_keys()[0].to_string(), notice);
     assert!(
         Plan::new(old)
             .unwrap()
@@ -314,7 +314,7 @@ fn the_old_key_of_drafts_is_read_with_a_notice() {
     // Both: the draft was woven.
     let both = Study::from_toml("[cloth]\nweave = \"plain\"\n[weave]\ndraft = \"twill\"\n", "s").unwrap();
     assert_eq!(both.cloth.weave, "./twill");
-    let notices = both.origin.notices().join("\n");
+    let notices = both.origin.old_keys()[0].to_string();
     assert!(
         notices.starts_with("s, line 4: ") && notices.ends_with(", for \"plain\", which is passed over"),
         "{notices}"

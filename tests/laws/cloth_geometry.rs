@@ -166,7 +166,7 @@ fn peirce_yarns_touch_at_every_crossing_and_overlap_nowhere() {
 }
 
 fn refusal(spec: ClothSpec) -> ClothError {
-    Cloth::new(&spec).err().expect("this cloth cannot be")
+    Cloth::new(&spec).expect_err("this cloth cannot be")
 }
 
 #[test]

@@ -171,7 +171,7 @@ fn shared_and_independent_paths_agree_at_length() {
 /// the mean; without absorption nothing is absorbed. False alarms: 2 quantities × 4 media, 0.1 % each by the greatest of 210 |t| and 0.1 % by
 /// all of them together.
 #[test]
-fn shared_ledgers_close_and_their_games_are_fair() {
+fn shared_ledgers_close_and_their_nets_are_zero_in_the_mean() {
     for (name, medium) in media() {
         let white = medium.mu_a_per_mm().iter().all(|mu_a| *mu_a == 0.0);
         let batches = ledgers(&yarn(medium, Estimator::Shared), 35, 1000);
@@ -385,7 +385,7 @@ fn dispersive_host_has_a_path_for_each_wavelength() {
 
 /// With one wavelength the two estimators are one, to the last bit.
 #[test]
-fn one_wavelength_alone_is_a_path_of_its_own() {
+fn one_wavelength_gives_the_same_bits_by_both_estimators() {
     let mut study = Study::default();
     study.spectrum.wavelengths_nm = Some(vec![600.0]);
     let medium = medium(&study).unwrap();

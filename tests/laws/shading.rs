@@ -1,7 +1,10 @@
 //! Laws of the flat shading models.
 
 use nalgebra::Vector3;
-use specval::shading::{Brdf, Classical, Distribution, ShadingError, ShadingModel, Specular};
+use specval::shading::{
+    Basis, Brdf, Distribution, LambertCookTorrance, ShadingError, ShadingModel, Specular, classical_model,
+    classical_models,
+};
 use std::f64::consts::PI;
 
 type Vec3 = Vector3<f64>;
@@ -13,7 +16,7 @@ fn direction(theta: f64, phi: f64) -> Vec3 {
 }
 
 #[test]
-fn facets_project_onto_the_whole_cloth() {
+fn facet_distribution_is_normalised() {
     for (distribution, m) in DISTRIBUTIONS
         .into_iter()
         .flat_map(|d| [0.02, 0.1, 0.3, 0.7, 1.0].map(|m| (d, m)))
@@ -102,7 +105,7 @@ fn white_furnace_never_gains_energy() {
 }
 
 #[test]
-fn fresnel_limits_show_in_the_gloss() {
+fn gloss_has_the_limits_of_fresnel() {
     // At normal incidence and view f = w ((n − 1)/(n + 1))² / (4 π m²).
     for distribution in DISTRIBUTIONS {
         let specular = Specular::new(distribution, 0.25, 1.557, 0.5).unwrap();
@@ -130,7 +133,7 @@ fn fresnel_limits_show_in_the_gloss() {
 }
 
 #[test]
-fn attenuation_is_blinns() {
+fn attenuation_follows_blinn() {
     // θ_l = 80°, θ_v = 70° on one side: h at 75°, v·h = cos 5°; G = 2 cos75° cos80° / cos5°.
     let m = 0.9;
     let (l, v) = (direction(80f64.to_radians(), 0.0), direction(70f64.to_radians(), 0.0));
@@ -166,18 +169,18 @@ fn parameters_out_of_range_are_refused() {
         for channel in 0..4 {
             let mut normal = [0.4, 0.1, 0.05, 0.2];
             normal[channel] = bad;
-            let error = Classical::new(normal, specular).unwrap_err();
+            let error = LambertCookTorrance::new(normal, specular).unwrap_err();
             assert!(error.to_string().contains("normal/normal"), "{error}");
         }
     }
 }
 
 #[test]
-fn classical_is_the_sample_seen_head_on_plus_white_gloss() {
+fn classical_model_adds_white_gloss_to_the_normal_reading() {
     // Green below 0: a saturated red outside the gamut. The white of an illuminant that is not the RGB space's own.
     let (normal, white) = ([0.6, -0.02, 0.05, 0.13], [1.1, 0.98, 0.9, 1.0]);
     let specular = Specular::new(Distribution::Beckmann, 0.4, 1.557, 0.7).unwrap();
-    let classical = Classical::new(normal, specular).unwrap();
+    let classical = LambertCookTorrance::new(normal, specular).unwrap();
     for (theta_l, theta_v) in [(0.0, 0.0), (0.5, 1.1), (1.0, 0.2)] {
         let (l, v) = (direction(theta_l, PI), direction(theta_v, 0.0));
         let gloss = PI * specular.brdf(&l, &v).0;
@@ -190,10 +193,10 @@ fn classical_is_the_sample_seen_head_on_plus_white_gloss() {
 }
 
 #[test]
-fn without_gloss_classical_looks_the_same_from_everywhere() {
+fn classical_model_without_gloss_is_lambert() {
     let none = Specular::new(Distribution::Beckmann, 0.4, 1.557, 0.0).unwrap();
     let normal = [0.37, 0.1, -0.01, 1.2];
-    let classical = Classical::new(normal, none).unwrap();
+    let classical = LambertCookTorrance::new(normal, none).unwrap();
     for theta in [0.0, 0.7, 1.5] {
         let found = classical.eval(&direction(0.3, 1.0), &direction(theta, 2.0), &[1.0; 4]);
         assert_eq!(found, normal);
@@ -201,4 +204,40 @@ fn without_gloss_classical_looks_the_same_from_everywhere() {
     for (l, v) in [(-Vec3::z(), Vec3::z()), (Vec3::z(), -Vec3::z()), (Vec3::x(), Vec3::z())] {
         assert_eq!(classical.eval(&l, &v, &[1.0; 4]), [0.0; 4]);
     }
+}
+
+/// Every model of the registry: its start lies in its ranges, is what it is made with, and its values are parameters.
+#[test]
+fn registered_classical_models_start_from_a_sample() {
+    let basis = Basis {
+        normal: [0.6, 0.1, 0.05, 0.2],
+        specular: Specular::new(Distribution::TrowbridgeReitz, 0.4, 1.557, 0.7).unwrap(),
+    };
+    let (l, v, white) = (direction(0.5, PI), direction(0.8, 0.0), [1.0; 4]);
+    for model in classical_models() {
+        let start = (model.start)(&basis);
+        assert_eq!(start.len(), model.parameters.len(), "{}", model.id);
+        let shaded = model.of(&basis).unwrap().eval(&l, &v, &white);
+        assert!(
+            shaded.iter().all(|beta| beta.is_finite() && *beta > 0.0),
+            "{}",
+            model.id
+        );
+        assert_eq!(model.with(&basis, &start).unwrap().eval(&l, &v, &white), shaded);
+        for (place, parameter) in model.parameters.iter().enumerate() {
+            let [low, high] = parameter.range;
+            assert!((low..=high).contains(&start[place]), "{}", parameter.name);
+            let mut moved = start.clone();
+            moved[place] = 0.5 * (start[place] + low);
+            let other = model.with(&basis, &moved).unwrap().eval(&l, &v, &white);
+            assert_ne!(other, shaded, "{} does not depend on {}", model.id, parameter.name);
+        }
+        assert!(model.with(&basis, &start[1..]).is_err());
+        assert_eq!(classical_model(model.id).unwrap().id, model.id);
+    }
+    let preprint = classical_model("lambert-cook-torrance").unwrap().of(&basis).unwrap();
+    let direct = LambertCookTorrance::new(basis.normal, basis.specular).unwrap();
+    assert_eq!(preprint.eval(&l, &v, &white), direct.eval(&l, &v, &white));
+    let unknown = classical_model("lambert-cook-torance").err().unwrap().to_string();
+    assert!(unknown.contains("lambert-cook-torrance"), "{unknown}");
 }

@@ -26,7 +26,7 @@ fn keys_that_have_no_effect_any_more_are_read_with_a_notice() {
     )
     .unwrap();
     assert_eq!(study.cloth.spacing_diameters, 2.0);
-    let notices = study.origin.notices();
+    let notices: Vec<String> = study.origin.old_keys().iter().map(ToString::to_string).collect();
     assert!(notices.len() == 1, "{notices:?}");
     assert!(
         notices[0].starts_with("old.toml, line 3: `cloth.segments_around` has no effect any more"),

@@ -14,7 +14,9 @@ use specval::rig::{omega_in, omega_out};
 use specval::run::Plan;
 use specval::spectrum::{Samples, Spectrum, WavelengthGrid};
 use specval::study::Study;
-use specval::transport::{Coefficients, Cylinder, Entry, Estimate, Interior, Ledger, Purpose, Roulette, Stream, Walk};
+use specval::transport::{
+    Coefficients, Cylinder, Entry, Estimate, Fraction, Interior, Ledger, Purpose, Roulette, Stream, Walk,
+};
 use specval::yarn::{DirectTracer, Effort, Estimator, SurfaceGrid, Yarn, YarnResponseGrid};
 
 const BATCHES: usize = 24;
@@ -326,7 +328,11 @@ fn compare_open_weave(particles: usize) {
         let views = there.iter().map(|row| omega_out(row.view_deg, 0.0)).collect();
         let cones = ViewCones::new(views, 5f64.to_radians());
         let batches = volumetric(&cloth, &yarn, YarnSurface::Smooth, theta_deg, &cones, particles);
-        let of: [fn(&ClothLedger) -> f64; 3] = [|l| l.reflected, ClothLedger::transmitted, |l| l.absorbed];
+        let of: [fn(&ClothLedger) -> f64; 3] = [
+            |l| l[ClothFraction::Reflected],
+            ClothLedger::transmitted,
+            |l| l[ClothFraction::Absorbed],
+        ];
         for ((name, of), (value, se)) in ["R", "T", "A"].into_iter().zip(of).zip(totals) {
             let here = estimate(&batches, 0, of);
             let z = z(here, Estimate { value, se });
@@ -377,7 +383,7 @@ fn both_methods_agree_where_light_stays_near_its_entry() {
         (&bare, YarnSurface::Smooth, 8000),
         (&dyed.yarn, YarnSurface::Lost, 80_000),
     ] {
-        let traced = volumetric(&cloth, &yarn, surface, 0.0, &Nothing, particles);
+        let traced = volumetric(&cloth, yarn, surface, 0.0, &Nothing, particles);
         let scattered = bounces(&cloth, yarn, surface, 0.0, 1_000_000, particles);
         for w in 0..yarn.medium.grid().len() {
             let [a, b] = [&traced, &scattered].map(|batches| estimate(batches, w, |l| l[ClothFraction::Reflected]));

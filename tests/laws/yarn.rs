@@ -1,5 +1,5 @@
-//! Laws of the yarn's tracing: energy, symmetry, agreement of the two roads to f*, reproducibility. Seeds are fixed, so a
-//! stochastic test that passes always passes; the stated false-alarm rate is that of a new seed.
+//! Laws of the yarn's tracing: energy, symmetry, agreement of the two estimates of f*, reproducibility. Seeds are
+//! fixed, so a stochastic test that passes always passes; the stated false-alarm rate is that of a new seed.
 
 use crate::batch_statistics::{Joint, all_zero};
 use specval::optics::{Interference, Medium, MediumSpec};
@@ -7,7 +7,7 @@ use specval::spectrum::{Spectrum, WavelengthGrid};
 use specval::transport::{Cylinder, Fraction, Ledger, Roulette};
 use specval::yarn::{
     BssrdfBatch, BssrdfGrid, DirectTracer, Effort, EnergyTracer, Estimator, IncidentGrid, PatchTracer, SurfaceGrid,
-    WeightTally, Yarn, YarnResponse, YarnResponseGrid,
+    WeightTally, Yarn, YarnResponse, YarnResponseGrid, scattered_beyond,
 };
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -85,7 +85,8 @@ fn white_furnace() {
     }
 }
 
-/// The BSSRDF and f* under a parallel beam hold the ledger's scattered light to rounding, whether paths are shared or not.
+/// The BSSRDF and f* under a parallel beam hold the ledger's scattered light to rounding, whether paths are shared or
+/// not.
 #[test]
 fn tables_integrate_to_the_ledger() {
     const AZIMUTHS: usize = 12;
@@ -166,10 +167,10 @@ fn tables_integrate_to_the_ledger() {
     }
 }
 
-/// f* under a parallel beam less f* by summing the BSSRDF over the lit surface, from the study's 9 × 16 incident directions
-/// (a quarter traced): 5 tilts × 18 azimuths of 10° × 12 exit cells × 3 wavelengths, cell by cell; and the same of passages from
-/// 9 entry cells to 36 azimuths.
-fn two_roads(estimator: Estimator, paths_per_direction: u64, paths_per_tilt: u64) -> [Joint; 2] {
+/// f* under a parallel beam less f* by summing the BSSRDF over the lit surface, from the study's 9 × 16 incident
+/// directions (a quarter traced): 5 tilts × 18 azimuths of 10° × 12 exit cells × 3 wavelengths, cell by cell; and the
+/// same of passages from 9 entry cells to 36 azimuths.
+fn summed_less_direct(estimator: Estimator, paths_per_direction: u64, paths_per_tilt: u64) -> [Joint; 2] {
     const BATCHES: usize = 40;
     const TILTS: usize = 5;
     let yarn = yarn(&[450.0, 550.0, 650.0], 0.001, estimator);
@@ -198,12 +199,12 @@ fn two_roads(estimator: Estimator, paths_per_direction: u64, paths_per_tilt: u64
     [0, 1].map(|table| all_zero(&differences.iter().map(|of| of[table].clone()).collect::<Vec<_>>()))
 }
 
-/// Both roads have the same expectation in every cell: nothing is interpolated between directions, azimuths or tilts.
-/// False alarms 0.1 % an estimator and table.
+/// f* of the direct simulation and f* summed from the BSSRDF have the same expectation in every cell: nothing is
+/// interpolated between directions, azimuths or tilts. False alarms 0.1 % an estimator and table.
 #[test]
 fn bssrdf_sum_agrees_with_direct_simulation() {
     for estimator in ESTIMATORS {
-        for joint in two_roads(estimator, 16_000, 64_000) {
+        for joint in summed_less_direct(estimator, 16_000, 64_000) {
             println!("{estimator:?}: {joint}");
             assert!(joint.values > 3000 && joint.holds(1e-3), "{estimator:?}: {joint}");
         }
@@ -215,7 +216,7 @@ fn bssrdf_sum_agrees_with_direct_simulation() {
 #[ignore = "minutes"]
 fn bssrdf_sum_agrees_with_direct_simulation_at_length() {
     for estimator in ESTIMATORS {
-        for joint in two_roads(estimator, 320_000, 1_280_000) {
+        for joint in summed_less_direct(estimator, 320_000, 1_280_000) {
             println!("{estimator:?}: {joint}");
             assert!(joint.values > 3200 && joint.holds(1e-3), "{estimator:?}: {joint}");
         }
@@ -286,8 +287,8 @@ fn bits_do_not_depend_on_threads() {
     }
 }
 
-/// At a node of the table, and at its mirror images, interpolation gives the node's own f*/cos ψ, which a table holds as a
-/// mean of f* over a mean of cos ψ.
+/// At a node of the table, and at its mirror images, interpolation gives the node's own f*/cos ψ, which a table holds
+/// as a mean of f* over a mean of cos ψ.
 #[test]
 fn interpolation_weights_are_exact_at_nodes_and_mirror() {
     let surface = SurfaceGrid::new(36, 6, 12).unwrap();
@@ -315,6 +316,26 @@ fn interpolation_weights_are_exact_at_nodes_and_mirror() {
             let own = psi.cos() / grid.mean_cosine(tilt);
             assert!((here - own).abs() < 1e-9 && elsewhere < 1e-9, "{here} {elsewhere}");
             assert_eq!(response.eval(&light, &view), weights.contract(&response));
+        }
+    }
+}
+
+/// All scattered light leaves beyond distance 0 and none infinitely far; the fraction falls with distance, and
+/// absorption, which shortens paths, lowers it at every distance by far more than its standard errors.
+#[test]
+fn scattered_light_leaves_less_far_along_an_absorbing_yarn() {
+    let distances_mm = [0.0, 0.1, 0.3, f64::INFINITY];
+    let beyond = |kappa| scattered_beyond(&yarn(&[500.0, 650.0], kappa, Estimator::Shared), distances_mm, 5).unwrap();
+    let (white, dyed) = (beyond(0.0), beyond(0.002));
+    for (white, dyed) in std::iter::zip(white, dyed) {
+        println!("{white:?} {dyed:?}");
+        for of in [&white, &dyed] {
+            assert_eq!([of[0].value, of[3].value], [1.0, 0.0]);
+            assert!(of[0].value > of[1].value && of[1].value > of[2].value && of[2].value > 0.0);
+        }
+        for k in [1, 2] {
+            let se = white[k].se.hypot(dyed[k].se);
+            assert!(se > 0.0 && white[k].value - dyed[k].value > 5.0 * se);
         }
     }
 }

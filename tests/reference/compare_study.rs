@@ -46,7 +46,7 @@ fn find(ratios: &[RmseRatio], channel: Channel) -> &RmseRatio {
 }
 
 #[test]
-fn without_noise_every_number_is_the_one_worked_out_by_hand() {
+fn comparison_without_noise_has_exact_values() {
     let geometries = line(0.0, &[-10.0, 0.0, 10.0, 20.0]);
     // Model: the measurement times 2, but 0.1 too high in red at 10 degrees once halved. Classical: flat.
     let measured = [0.2, 0.4, 0.3, 0.1].map(|r| reading([r, 0.1, 0.1], [0.0; 3]));
@@ -151,7 +151,7 @@ fn measurement_errors_follow_the_covariance() {
 }
 
 #[test]
-fn the_scale_of_a_source_changes_its_coefficient_alone() {
+fn scaling_a_source_changes_only_its_coefficient() {
     let study = Study::new(0.1, 0.3);
     let (batches, measured) = study.draw(0.02, 0.03, 7);
     let run = |scale: f64| {
@@ -248,7 +248,7 @@ const TRIALS: u64 = 400;
 const SPREAD: f64 = 3.0 * 0.0109;
 
 #[test]
-fn the_interval_holds_the_true_ratio_95_times_in_100() {
+fn interval_covers_the_true_ratio_in_95_percent() {
     let study = Study::new(0.1, 0.3);
     // Found: 0.955 and 0.9725.
     for (monte_carlo, noise) in [(0.05, 0.01), (0.1, 0.0)] {
@@ -262,7 +262,7 @@ fn the_interval_holds_the_true_ratio_95_times_in_100() {
 }
 
 #[test]
-fn equal_sources_raise_a_false_alarm_at_most_5_times_in_100() {
+fn equal_sources_give_at_most_5_percent_false_alarms() {
     let study = Study::new(0.2, -0.2);
     // Found: 0.0575 and 0.0375.
     for (monte_carlo, noise) in [(0.05, 0.05), (0.2, 0.01)] {
@@ -275,7 +275,7 @@ fn equal_sources_raise_a_false_alarm_at_most_5_times_in_100() {
 }
 
 #[test]
-fn a_clear_difference_is_seen() {
+fn clear_difference_gives_a_verdict() {
     let seen = |study: &Study, verdict| {
         share(study, 100, 0.05, 0.05, |comparison| {
             find(&comparison.rmse_ratios, Channel::R).verdict == verdict
@@ -290,7 +290,7 @@ fn a_clear_difference_is_seen() {
 }
 
 #[test]
-fn the_standard_error_of_the_coefficient_is_its_scatter() {
+fn coefficient_standard_error_matches_its_scatter() {
     let study = Study::new(0.1, 0.3);
     let runs: Vec<_> = (0..TRIALS)
         .map(|seed| {
@@ -340,7 +340,7 @@ fn incidences_are_kept_apart_and_views_without_measurement_left_out() {
 }
 
 #[test]
-fn a_built_in_sample_goes_through() {
+fn built_in_sample_can_be_compared() {
     let sample = Sample::load("merl-red-fabric").unwrap();
     let geometries: Vec<Geometry> = sample
         .geometries()
@@ -378,7 +378,7 @@ fn a_built_in_sample_goes_through() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_refused() {
+fn inputs_that_cannot_be_compared_are_rejected() {
     let geometries = line(0.0, &[0.0, 10.0]);
     let good = vec![rgby(0.2, 0.1, 0.1); 2];
     let measured = vec![Some(Reading::independent(good[0], [0.0; 4])); 2];
@@ -419,7 +419,7 @@ fn what_cannot_be_compared_is_refused() {
 }
 
 #[test]
-fn without_the_normal_the_nearest_reading_normalises() {
+fn nearest_reading_normalises_without_one_at_the_normal() {
     let mut geometries = line(45.0, &[-10.0, 0.0, 10.0]);
     geometries.extend(line(0.0, &[0.0]));
     let values = [0.2, 0.4, 0.3, 0.5].map(|r| rgby(r, 0.1, 0.1));
@@ -465,7 +465,7 @@ fn too_few_paths_withhold_the_verdict() {
 }
 
 #[test]
-fn a_red_that_is_as_good_as_zero_has_no_ratio() {
+fn red_near_zero_has_no_ratio() {
     let ratios = |red: [f64; 2]| model_colour_ratios(&red.map(|r| rgby(r, 0.1, 0.6))).unwrap();
     assert!(!ratios([0.1, 0.11]).red_is_zero);
     // Well known, but a 120th of blue; and 0.03 with the error 0.02.
@@ -473,7 +473,7 @@ fn a_red_that_is_as_good_as_zero_has_no_ratio() {
 }
 
 #[test]
-fn hues_that_plainly_differ_are_told() {
+fn different_hues_are_flagged() {
     let colour = ColourSystem::new(&WavelengthGrid::preprint(), Convention::default()).unwrap();
     let compared = |model: Channels, sample: Channels| {
         let measured = [Some(Reading::independent(sample, [0.001; 4]))];
@@ -502,7 +502,7 @@ fn hues_that_plainly_differ_are_told() {
 
 /// Two models, two classical shadings and two samples: each pair has its own errors, each sample its own normalisation.
 #[test]
-fn sources_stand_side_by_side() {
+fn every_model_and_shading_is_compared_with_every_sample() {
     let geometries = line(0.0, &[-20.0, 0.0, 20.0]);
     let source = |role, place| Source::numbered(role, place, format!("{role:?} {place}"));
     let [models, shadings, samples] =

@@ -83,14 +83,14 @@ pub fn table1() -> Vec<Table1Row> {
     vec![
         Table1Row::bare(Table1Name::Published, 0.08, 0.011),
         row(
-            Table1Name::Measured,
+            Table1Name::Source(Role::Measured.id().into()),
             Some(0.0595),
             Some(0.0042),
             Some(0.143),
             Some(0.0101),
         ),
         row(
-            Table1Name::Model,
+            Table1Name::Source(Role::Model.id().into()),
             Some(0.1 + 0.2),
             Some(1e-7),
             Some(0.012),

@@ -7,20 +7,23 @@ fractions! {
         Reflected = "reflected",
         /// Left on the other side after meeting a yarn.
         ThroughYarns = "through_yarns",
-        /// Went through the gaps without meeting any.
+        /// Passed through the gaps without meeting a yarn.
         ThroughGaps = "through_gaps",
-        /// By the media of the yarns and by the backing: 0 where neither absorbs.
+        /// Absorbed by the media of the yarns and by the backing; 0 where neither absorbs.
         Absorbed = "absorbed",
-        /// Reflected by the outer surface of a yarn and left out, by [`super::YarnSurface::Lost`].
+        /// Reflected by the outer surface of a yarn and discarded, by [`super::YarnSurface::Lost`].
         ReflectionDropped = "reflection_dropped",
-        /// On its way to a yarn beyond the most that are followed, or caught inside a yarn that neither scatters nor absorbs.
+        /// Not followed to a further yarn because of the limit on bounces, or trapped in a yarn that neither scatters
+        /// nor absorbs.
         BouncesCut = "bounces_cut",
-        /// Net weight that random sampling removed: Russian roulette between the yarns, and both nets of their media. 0 in the mean.
-        SamplingNet = "games",
+        /// Net weight that random sampling removed: Russian roulette between the yarns, and both nets of their media. 0
+        /// in the mean.
+        SamplingNet = "sampling_net",
     }
 }
 
-/// Where the light of a beam onto a cloth went, as fractions of the incident flux at one wavelength. Single precision rounds its residual.
+/// Where the light of a beam onto a cloth went, as fractions of the incident flux at one wavelength. Single precision
+/// rounds its residual.
 pub type ClothLedger = LedgerOf<ClothFraction, { ClothFraction::COUNT }>;
 
 impl ClothLedger {

@@ -215,7 +215,7 @@ impl ChannelMap {
 fn colour_of(grid: &WavelengthGrid, notices: &mut Vec<String>) -> Result<ColourSystem, WriteError> {
     let system = ColourSystem::new(grid, Convention::default())?;
     system.require()?;
-    notices.extend(system.doubt().map(|why| format!("the colours are doubtful: {why}")));
+    notices.extend(system.notice());
     Ok(system)
 }
 

@@ -1,8 +1,10 @@
 use super::{FullBsdf, Incidence};
 use crate::cloth::light::{ClothFraction, ClothLedger};
 use crate::formats::Side;
-use crate::transport::Estimate;
-use serde::Serialize;
+use crate::transport::{Estimate, FractionList};
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
+use std::ops::Index;
 
 /// Fractions kept of an incidence at a wavelength: those of the ledger, then the whole transmission.
 pub(super) const QUANTITIES: usize = ClothFraction::COUNT + 1;
@@ -17,7 +19,8 @@ pub(super) fn quantities(ledger: &[ClothLedger]) -> Vec<f64> {
 }
 
 /// Where the light of one direction went, as fractions of its flux at one wavelength, each with its standard error.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// Indexed by fraction; that of [`ClothFraction::Reflected`] is the directional-hemispherical reflectance.
+#[derive(Clone, Debug, PartialEq)]
 pub struct HemisphericalRow {
     pub light_from: Side,
     /// From the normal of that side.
@@ -25,37 +28,49 @@ pub struct HemisphericalRow {
     /// From the warp towards the weft, seen from the front.
     pub phi_i_deg: f64,
     pub wavelength_nm: f64,
-    /// Directional-hemispherical reflectance.
-    pub reflectance: f64,
-    pub reflectance_se: f64,
     /// Directional-hemispherical transmittance: through yarns and gaps.
-    pub transmittance: f64,
-    pub transmittance_se: f64,
-    pub through_yarns: f64,
-    pub through_yarns_se: f64,
-    /// Straight through, without meeting a yarn.
-    pub through_gaps: f64,
-    pub through_gaps_se: f64,
-    /// By the media of the yarns alone.
-    pub absorbed: f64,
-    pub absorbed_se: f64,
-    /// Reflected by the yarns' outer surface, where that light is left out.
-    pub reflection_dropped: f64,
-    pub reflection_dropped_se: f64,
-    /// Not followed further.
-    pub bounces_cut: f64,
-    pub bounces_cut_se: f64,
-    /// What games of chance took; 0 in the mean.
-    pub games: f64,
-    pub games_se: f64,
-    /// 1 less the sum of the others: 0 to rounding.
+    pub transmittance: Estimate,
+    /// 1 − the sum of all fractions: 0 to rounding.
     pub residual: f64,
+    fractions: [Estimate; ClothFraction::COUNT],
+}
+
+impl Index<ClothFraction> for HemisphericalRow {
+    type Output = Estimate;
+
+    fn index(&self, fraction: ClothFraction) -> &Estimate {
+        &self.fractions[fraction.index()]
+    }
+}
+
+impl Serialize for HemisphericalRow {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut row = serializer.serialize_struct("HemisphericalRow", 7 + 2 * ClothFraction::COUNT)?;
+        row.serialize_field("light_from", &self.light_from)?;
+        row.serialize_field("theta_i_deg", &self.theta_i_deg)?;
+        row.serialize_field("phi_i_deg", &self.phi_i_deg)?;
+        row.serialize_field("wavelength_nm", &self.wavelength_nm)?;
+        let reflected = self[ClothFraction::Reflected];
+        row.serialize_field("reflectance", &reflected.value)?;
+        row.serialize_field("reflectance_se", &reflected.se)?;
+        row.serialize_field("transmittance", &self.transmittance.value)?;
+        row.serialize_field("transmittance_se", &self.transmittance.se)?;
+        for &fraction in ClothFraction::ALL {
+            if fraction != ClothFraction::Reflected {
+                row.serialize_field(fraction.name(), &self[fraction].value)?;
+                row.serialize_field(fraction.se_name(), &self[fraction].se)?;
+            }
+        }
+        row.serialize_field("residual", &self.residual)?;
+        row.end()
+    }
 }
 
 impl Incidence {
-    /// Those of [`ClothFraction`], and all that is transmitted.
-    pub(super) fn fractions(&self, wavelength: usize) -> [Estimate; QUANTITIES] {
-        std::array::from_fn(|k| self.ledger.estimate(wavelength * QUANTITIES + k))
+    /// Fractions of [`ClothFraction`], and the whole transmission.
+    pub(super) fn fractions(&self, wavelength: usize) -> ([Estimate; ClothFraction::COUNT], Estimate) {
+        let of = |k: usize| self.ledger.estimate(wavelength * QUANTITIES + k);
+        (std::array::from_fn(of), of(ClothFraction::COUNT))
     }
 }
 
@@ -73,30 +88,15 @@ impl FullBsdf {
                 rounded(d.y.atan2(d.x)).rem_euclid(360.0)
             };
             for (w, &wavelength_nm) in self.grid.nm().iter().enumerate() {
-                let [reflected, yarns, gaps, absorbed, dropped, cut, games, transmitted] = incidence.fractions(w);
-                let all = [reflected, yarns, gaps, absorbed, dropped, cut, games];
+                let (fractions, transmittance) = incidence.fractions(w);
                 rows.push(HemisphericalRow {
                     light_from: incidence.side,
                     theta_i_deg,
                     phi_i_deg,
                     wavelength_nm,
-                    reflectance: reflected.value,
-                    reflectance_se: reflected.se,
-                    transmittance: transmitted.value,
-                    transmittance_se: transmitted.se,
-                    through_yarns: yarns.value,
-                    through_yarns_se: yarns.se,
-                    through_gaps: gaps.value,
-                    through_gaps_se: gaps.se,
-                    absorbed: absorbed.value,
-                    absorbed_se: absorbed.se,
-                    reflection_dropped: dropped.value,
-                    reflection_dropped_se: dropped.se,
-                    bounces_cut: cut.value,
-                    bounces_cut_se: cut.se,
-                    games: games.value,
-                    games_se: games.se,
-                    residual: 1.0 - all.iter().map(|part| part.value).sum::<f64>(),
+                    transmittance,
+                    residual: 1.0 - fractions.iter().map(|part| part.value).sum::<f64>(),
+                    fractions,
                 });
             }
         }

@@ -1,5 +1,5 @@
 use super::{Cells, FullBsdf};
-use crate::cloth::light::HemisphereNodes;
+use crate::cloth::light::{ClothFraction, HemisphereNodes};
 use crate::colour::{ColourError, ColourSystem, Convention};
 use crate::formats::{
     Axis, Channels, Component, Fold, Grid, KlemsBasis, KlemsMatrix, Parameters, Quantity, Scatter, Side, SpecularTable,
@@ -49,7 +49,7 @@ impl FullBsdf {
         let system = ColourSystem::new(&self.grid, Convention::default())?;
         if colours != Colours::Spectral {
             system.require()?;
-            notices.extend(system.doubt().map(|why| format!("the colours are doubtful: {why}")));
+            notices.extend(system.notice());
         }
         let values = |spectrum: &[Estimate]| {
             let values: Vec<f64> = spectrum.iter().map(|f| f.value).collect();
@@ -194,7 +194,8 @@ impl FullBsdf {
     fn through_gaps(&self, side: Side, incident: usize) -> Vec<Estimate> {
         let traced = self.traced_for(side, incident);
         traced.map_or_else(Vec::new, |(incidence, _)| {
-            (0..self.grid.len()).map(|w| incidence.fractions(w)[2]).collect()
+            let of = |w: usize| incidence.fractions(w).0[ClothFraction::ThroughGaps as usize];
+            (0..self.grid.len()).map(of).collect()
         })
     }
 

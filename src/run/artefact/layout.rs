@@ -1,24 +1,26 @@
-use crate::artefact::{ArrayInfo, ArtefactError, ElementType, Identity, Kind, Reader};
+use crate::artefact::{ArtefactError, Identity, Kind, Reader};
+use crate::optics::Medium;
 use crate::report::InputDigest;
 use crate::run::plan::{bssrdf_surface, factor_grid, incident_grid};
-use crate::run::{Plan, Reabsorbed, RunError};
-use crate::study::Study;
+use crate::run::{Reabsorbed, RunError};
+use crate::study::{Study, study_of_any_age};
 use crate::yarn::{BssrdfGrid, IncidentGrid, LengthBins, YarnResponseGrid};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
-/// All that the numbers of a trace of the yarn depend on: the identity of its files.
+/// Everything that the numbers of a trace of the yarn depend on: the identity of its files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct YarnSettings {
+    #[serde(deserialize_with = "study_of_any_age")]
     pub study: Study,
     /// Digests of the tables and files that went in.
     pub inputs: Vec<InputDigest>,
-    /// What came of them, so that a part made with another C library is told before it is added. Its name puts it behind
-    /// the study, whose keys are told first where two files differ.
+    /// The medium that followed from them, so that a shard made with another C library is refused. The serialised name
+    /// sorts it behind the study, whose keys messages name first where two files differ.
     #[serde(rename = "traced_medium")]
     pub medium: MediumValues,
-    /// Changes of absorption since, first to last.
+    /// Later changes of absorption, in their order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reabsorbed: Vec<Reabsorbed>,
 }
@@ -32,7 +34,18 @@ pub struct MediumValues {
     pub mu_a_per_mm: Vec<f64>,
 }
 
-/// What stands along the axes of the tables, for readers without this library.
+impl From<&Medium> for MediumValues {
+    fn from(medium: &Medium) -> Self {
+        Self {
+            wavelength_nm: medium.grid().nm().to_vec(),
+            host_index: medium.host_index().to_vec(),
+            mu_s_per_mm: medium.mu_s_per_mm().to_vec(),
+            mu_a_per_mm: medium.mu_a_per_mm().to_vec(),
+        }
+    }
+}
+
+/// Values along the axes of the tables, for readers without this library.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct YarnAxes {
     pub wavelength_nm: Vec<f64>,
@@ -58,37 +71,32 @@ pub struct YarnLayout {
 }
 
 impl YarnLayout {
-    pub(in crate::run) fn of(plan: &Plan, grid: &BssrdfGrid, lengths: &LengthBins) -> Self {
-        let medium = &plan.yarn.medium;
-        let factor = &plan.factor_grid;
+    /// `bssrdf` and `lengths` are the axes that the settings alone do not give.
+    pub fn new(
+        settings: YarnSettings,
+        incident: IncidentGrid,
+        factor: YarnResponseGrid,
+        bssrdf: &BssrdfGrid,
+        lengths: &LengthBins,
+    ) -> Self {
         let tilt_edges = (0..factor.tilts()).map(|k| factor.tilt_edges(k)[0]);
         let last = factor.tilt_edges(factor.tilts() - 1)[1];
         Self {
-            settings: YarnSettings {
-                study: plan.study.clone(),
-                inputs: plan.inputs.clone(),
-                medium: MediumValues {
-                    wavelength_nm: plan.grid.nm().to_vec(),
-                    host_index: medium.host_index().to_vec(),
-                    mu_s_per_mm: medium.mu_s_per_mm().to_vec(),
-                    mu_a_per_mm: medium.mu_a_per_mm().to_vec(),
-                },
-                reabsorbed: Vec::new(),
-            },
             axes: YarnAxes {
-                wavelength_nm: plan.grid.nm().to_vec(),
+                wavelength_nm: settings.medium.wavelength_nm.clone(),
                 tilt_edges_deg: tilt_edges.chain([last]).map(f64::to_degrees).collect(),
-                z_edges_mm: grid.z_edges_mm().to_vec(),
+                z_edges_mm: bssrdf.z_edges_mm().to_vec(),
                 length_edges_mm: lengths.edges_mm().to_vec(),
-                incident_deg: (0..plan.incident.len()).map(|i| plan.incident.angles_deg(i)).collect(),
+                incident_deg: (0..incident.len()).map(|i| incident.angles_deg(i)).collect(),
             },
-            incident: plan.incident,
-            factor_grid: plan.factor_grid,
-            bssrdf_shape: grid.shape(),
+            settings,
+            incident,
+            factor_grid: factor,
+            bssrdf_shape: bssrdf.shape(),
         }
     }
 
-    /// Of a file whose header has the axes under `axes`.
+    /// Reads the layout of a file whose header has the axes under `axes`.
     pub(super) fn read(path: &Path, kind: Kind, reader: &Reader) -> Result<Self, RunError> {
         let settings: YarnSettings = parse(path, kind, "identity", reader.identity().value())?;
         let axes: YarnAxes = parse(path, kind, "header.axes", &reader.header()["axes"])?;
@@ -145,81 +153,9 @@ impl YarnLayout {
     pub fn bins(&self) -> usize {
         self.axes.length_edges_mm.len() + 1
     }
-
-    /// Traced incident direction × wavelength × bin × (ballistic, scattered, and both times path length in mm).
-    pub(super) fn energy_by_length(&self) -> Array {
-        Array {
-            unit: "fraction of the incident flux; the same times mm",
-            axes: "traced direction, wavelength, bin of path length; ballistic, scattered, ballistic moment, scattered moment",
-            shape: vec![self.incident.traced(), self.wavelengths(), self.bins(), 4],
-        }
-    }
-
-    /// f*: cell × wavelength.
-    pub(super) fn factor(&self) -> Array {
-        let grid = &self.factor_grid;
-        Array {
-            unit: "1/sr",
-            axes: "tilt, azimuth from the light 0..180 deg, exit cell (theta, phi), wavelength",
-            shape: vec![
-                grid.tilts(),
-                grid.azimuths(),
-                grid.surface().exit().cells(),
-                self.wavelengths(),
-            ],
-        }
-    }
-
-    /// Systematic errors of the ledger: traced direction × wavelength × (ballistic, scattered).
-    pub(super) fn energy_systematic(&self) -> Array {
-        Array {
-            unit: "fraction of the incident flux",
-            axes: "traced direction, wavelength; ballistic, scattered",
-            shape: vec![self.incident.traced(), self.wavelengths(), 2],
-        }
-    }
-
-    pub(super) fn bssrdf(&self) -> Array {
-        Array {
-            unit: "fraction of the flux incident on the patch",
-            axes: "traced direction, exit azimuth, z (overflow first and last), exit cell (theta, phi), wavelength",
-            shape: self.bssrdf_shape.to_vec(),
-        }
-    }
-
-    /// f* by path length: cell × bin × wavelength; and the same times path length.
-    pub(super) fn factor_by_length(&self) -> [Array; 2] {
-        let mut shape = self.factor().shape;
-        shape.insert(3, self.bins());
-        ["1/sr", "mm/sr"].map(|unit| Array {
-            unit,
-            axes: "tilt, azimuth from the light 0..180 deg, exit cell (theta, phi), bin of path length, wavelength",
-            shape: shape.clone(),
-        })
-    }
 }
 
-/// An array but for its name and element type.
-#[derive(Clone, Debug)]
-pub(super) struct Array {
-    pub unit: &'static str,
-    pub axes: &'static str,
-    pub shape: Vec<usize>,
-}
-
-impl Array {
-    pub fn info(&self, name: impl Into<String>, element: ElementType) -> ArrayInfo {
-        ArrayInfo {
-            name: name.into(),
-            unit: self.unit.into(),
-            axes: self.axes.into(),
-            shape: self.shape.clone(),
-            element,
-        }
-    }
-}
-
-/// A part of the JSON of a sound file.
+/// Parses a part of the JSON of a verified file.
 pub(super) fn parse<T: serde::de::DeserializeOwned>(
     path: &Path,
     kind: Kind,

@@ -1,39 +1,66 @@
-use super::batch_arrays::{append_batch, batch_arrays, read_batch};
+use super::arrays::Entry;
+use super::catalogue::{BatchTables, Part};
 use super::layout::{damaged, parse};
-use super::{YarnArtefact, YarnLayout};
-use crate::artefact::{Kind, Reader, Writer};
-use crate::report::EnergyRow;
+use super::state::{ledgers_entry, read_ledgers};
+use super::{YarnArtefact, YarnBatch, YarnLayout, YarnSums};
+use crate::artefact::{ArrayInfo, Kind, Reader, Writer};
 use crate::run::shard::numbers;
-use crate::run::{Progress, RunError, Shard, ShardError, YarnSums, YarnTracer, energy_rows};
+use crate::run::{Progress, RunError, Shard, ShardError};
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Traces the batches of one shard into its file, each by itself, so that a merge can add them as a single run does. Holds
-/// one batch at a time. Returns the ledger of these batches.
-pub fn trace_shard(
-    tracer: &YarnTracer,
-    shard: Shard,
-    path: &Path,
-    progress: Progress,
-) -> Result<Vec<EnergyRow>, RunError> {
-    let layout = tracer.layout();
-    let batches = shard.batches(layout.batches())?;
-    let arrays: Vec<_> = batches.clone().flat_map(|batch| batch_arrays(&layout, batch)).collect();
-    let header = serde_json::json!({ "shard": shard.to_string(), "axes": layout.axes });
-    let mut file = Writer::create(path, Kind::Shard, &layout.identity()?, &header, &arrays)?;
-    let mut ledgers = Vec::with_capacity(batches.len());
-    for batch in batches.clone() {
-        let made = tracer.batch(batch);
-        append_batch(&mut file, batch, &made)?;
-        ledgers.push(made.ledgers);
-        progress(1.0 / batches.len() as f64);
-    }
-    file.finish()?;
-    Ok(energy_rows(&layout.axes.wavelength_nm, &layout.incident, &ledgers))
+/// Writes the file of one shard: its batches each by itself, so that a merge can add them as a single run does. Holds
+/// one batch at a time.
+pub(in crate::run) struct ShardWriter<'a> {
+    layout: &'a YarnLayout,
+    file: Writer,
 }
 
-/// A shard's file, found sound.
+impl<'a> ShardWriter<'a> {
+    pub fn create(path: &Path, layout: &'a YarnLayout, shard: Shard) -> Result<Self, RunError> {
+        let batches = shard.batches(layout.batches())?;
+        let empty = YarnBatch {
+            ledgers: Vec::new(),
+            tables: BatchTables::default(),
+        };
+        let arrays: Vec<ArrayInfo> = batches
+            .flat_map(|batch| entries(layout, batch, &empty))
+            .map(|entry| entry.info)
+            .collect();
+        let header = serde_json::json!({ "shard": shard.to_string(), "axes": layout.axes });
+        let file = Writer::create(path, Kind::Shard, &layout.identity()?, &header, &arrays)?;
+        Ok(Self { layout, file })
+    }
+
+    /// Writes the next batch, of this number.
+    pub fn append(&mut self, number: usize, batch: &YarnBatch) -> Result<(), RunError> {
+        for entry in entries(self.layout, number, batch) {
+            entry.append(&mut self.file)?;
+        }
+        Ok(())
+    }
+
+    pub fn finish(self) -> Result<(), RunError> {
+        Ok(self.file.finish()?)
+    }
+}
+
+/// The arrays of one batch.
+fn entries<'a>(layout: &YarnLayout, number: usize, batch: &'a YarnBatch) -> Vec<Entry<'a>> {
+    let mut entries = vec![ledgers_entry(layout, number, &batch.ledgers)];
+    entries.extend(batch.tables.entries(layout, Part::Batch(number)));
+    entries
+}
+
+fn read_batch(file: &mut Reader, layout: &YarnLayout, number: usize) -> Result<YarnBatch, RunError> {
+    Ok(YarnBatch {
+        ledgers: read_ledgers(file, layout, number)?,
+        tables: BatchTables::read(file, layout, Part::Batch(number), true)?,
+    })
+}
+
+/// A shard's file, verified.
 struct ShardFile {
     path: PathBuf,
     shard: Shard,
@@ -41,8 +68,8 @@ struct ShardFile {
     file: Reader,
 }
 
-/// Adds shards, in whatever order they are named, to what one run would have written, bit for bit. Reads each file for its
-/// checksum first and its batches one by one then; never writes to them.
+/// Merges shards, in any order, to the bits that a single run would have written. Verifies each file first and then
+/// reads its batches one by one; never writes to them.
 pub fn merge_shards(paths: &[PathBuf], progress: Progress) -> Result<YarnArtefact, RunError> {
     let mut layout: Option<YarnLayout> = None;
     let mut shards = Vec::with_capacity(paths.len());
@@ -84,7 +111,7 @@ pub fn merge_shards(paths: &[PathBuf], progress: Progress) -> Result<YarnArtefac
     Ok(YarnArtefact::new(layout, sums))
 }
 
-/// Whether shards, sorted by their first batch, hold each of the study's batches once.
+/// Checks that shards, sorted by their first batch, hold each of the study's batches once.
 fn check_set(shards: &[ShardFile], batches: usize) -> Result<(), ShardError> {
     for pair in shards.windows(2) {
         let [a, b] = pair else { continue };
@@ -119,7 +146,7 @@ fn check_set(shards: &[ShardFile], batches: usize) -> Result<(), ShardError> {
     Err(ShardError::Missing { missing, of: batches })
 }
 
-/// The shards of N that hold just these batches, in words; none where no whole shards do.
+/// The shards of N that hold exactly these batches, in words; `None` where no whole shards do.
 fn shards_of(gap: &Range<usize>, of: u32, batches: usize) -> Option<String> {
     let within: Vec<(Shard, Range<usize>)> = (1..=of)
         .filter_map(|number| {
@@ -163,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_told_from_noise() {
+    fn malformed_shard_names_are_refused() {
         for wrong in [
             "",
             "3",
@@ -185,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn gaps_are_named_as_shards_where_they_are() {
+    fn gaps_that_are_whole_shards_are_named_as_shards() {
         assert_eq!(shards_of(&(5..10), 3, 16).unwrap(), "shard 2/3");
         assert_eq!(shards_of(&(0..10), 3, 16).unwrap(), "shards 1/3 to 2/3");
         assert_eq!(shards_of(&(5..11), 3, 16), None);

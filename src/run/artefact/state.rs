@@ -1,93 +1,89 @@
 use super::YarnLayout;
-use super::batch_arrays::{flat, from_flat, ledgers};
+use super::arrays::{Entry, Values, write};
+use super::catalogue::{BatchTables, LEDGERS, Part, SumTables};
 use super::layout::parse;
-use crate::artefact::{ElementType, Kind, Reader, Writer};
-use crate::run::{RunError, YarnSums};
-use crate::transport::{BatchSums, Ledger};
-use crate::yarn::LengthSums;
+use crate::artefact::{ArtefactError, Kind, Reader};
+use crate::run::RunError;
+use crate::transport::Ledger;
 use std::path::Path;
 
+/// Everything that one batch of tracing says about the yarn alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct YarnBatch {
+    /// Traced incident direction × wavelength, wavelength fastest.
+    pub ledgers: Vec<Ledger>,
+    pub tables: BatchTables,
+}
+
+/// Batches of the yarn added up in their order. Only the ledgers are kept batch by batch; the rest takes the same
+/// memory for any number of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct YarnSums {
+    /// [batch][traced incident direction × wavelength].
+    pub ledgers: Vec<Vec<Ledger>>,
+    pub tables: SumTables,
+}
+
 impl YarnSums {
-    /// Writes where the run stands; what stood there before is replaced in one step.
-    pub fn save(&self, layout: &YarnLayout, path: &Path) -> Result<(), RunError> {
-        let mut arrays = Vec::new();
-        for batch in 0..self.ledgers.len() {
-            arrays.push(ledgers(layout).info(format!("{batch}.ledgers"), ElementType::F64));
+    pub fn new(layout: &YarnLayout) -> Self {
+        Self {
+            ledgers: Vec::new(),
+            tables: SumTables::zeros(layout),
         }
-        let doubles = [
-            ("energy_by_length", layout.energy_by_length(), &self.energy_by_length),
-            ("radiance_factor_direct", layout.factor(), &self.direct),
-            ("radiance_factor_bssrdf", layout.factor(), &self.summed),
-            ("bssrdf_fraction", layout.bssrdf(), &self.bssrdf),
-        ];
-        for (name, array, _) in &doubles {
-            for part in ["sum", "square"] {
-                arrays.push(array.info(format!("{name}.{part}"), ElementType::F64));
-            }
-        }
-        let [amount, moment] = layout.factor_by_length();
-        let lengths = &self.by_length;
-        let singles = [
-            ("by_length.sum", amount.clone(), &lengths.amount),
-            ("by_length.square", amount, &lengths.square),
-            ("by_length.moment", moment, &lengths.moment_mm),
-        ];
-        for (name, array, _) in &singles {
-            arrays.push(array.info(*name, ElementType::F32));
-        }
-        let header = serde_json::json!({ "batches": self.ledgers.len(), "axes": layout.axes });
-        let mut file = Writer::create(path, Kind::State, &layout.identity()?, &header, &arrays)?;
-        for (batch, ledgers) in self.ledgers.iter().enumerate() {
-            file.append(&format!("{batch}.ledgers"), flat(ledgers))?;
-        }
-        for (name, _, sums) in doubles {
-            file.append(&format!("{name}.sum"), sums.sum.iter().copied())?;
-            file.append(&format!("{name}.square"), sums.square.iter().copied())?;
-        }
-        for (name, _, values) in singles {
-            file.append(name, values.iter().copied())?;
-        }
-        Ok(file.finish()?)
     }
 
-    /// Reads where a run of this layout stood, bit for bit; `None` where there is no file. The state of another run is
-    /// refused, and stays as it is.
+    /// Adds the next batch.
+    pub fn add(&mut self, batch: YarnBatch) {
+        self.ledgers.push(batch.ledgers);
+        self.tables.add(&batch.tables);
+    }
+
+    /// Writes the state of the run; a file that is there is replaced in one step.
+    pub fn save(&self, layout: &YarnLayout, path: &Path) -> Result<(), RunError> {
+        let ledgers = self.ledgers.iter().enumerate();
+        let mut entries: Vec<Entry> = ledgers
+            .map(|(batch, ledgers)| ledgers_entry(layout, batch, ledgers))
+            .collect();
+        entries.extend(self.tables.entries(layout, Part::Sums));
+        let header = serde_json::json!({ "batches": self.ledgers.len(), "axes": layout.axes });
+        write(path, Kind::State, layout, &header, entries)
+    }
+
+    /// Reads the state of a run of this layout, bit for bit; `None` where there is no file.
+    ///
+    /// # Errors
+    /// A file that is damaged or the state of another run. It stays as it is.
     pub fn load(layout: &YarnLayout, path: &Path) -> Result<Option<Self>, RunError> {
         let Some(mut file) = Reader::open_if_there(path, Kind::State)? else {
             return Ok(None);
         };
         file.expect(&layout.identity()?)?;
         let batches: usize = parse(path, Kind::State, "header.batches", &file.header()["batches"])?;
-        let mut of_batches: Vec<Vec<Ledger>> = Vec::new();
-        for batch in 0..batches {
-            let values = file.array::<f64>(&format!("{batch}.ledgers"), &ledgers(layout).shape)?;
-            of_batches.push(from_flat(&values));
-        }
-        let mut sums = |name: &str, shape: &[usize]| -> Result<BatchSums, RunError> {
-            Ok(BatchSums {
-                batches: batches as u64,
-                sum: file.array(&format!("{name}.sum"), shape)?,
-                square: file.array(&format!("{name}.square"), shape)?,
-            })
-        };
-        let factor = layout.factor().shape;
-        let energy_by_length = sums("energy_by_length", &layout.energy_by_length().shape)?;
-        let direct = sums("radiance_factor_direct", &factor)?;
-        let summed = sums("radiance_factor_bssrdf", &factor)?;
-        let bssrdf = sums("bssrdf_fraction", &layout.bssrdf().shape)?;
-        let [amount, moment] = layout.factor_by_length();
-        Ok(Some(Self {
-            ledgers: of_batches,
-            energy_by_length,
-            direct,
-            summed,
-            bssrdf,
-            by_length: LengthSums {
-                batches: batches as u64,
-                amount: file.array("by_length.sum", &amount.shape)?,
-                square: file.array("by_length.square", &amount.shape)?,
-                moment_mm: file.array("by_length.moment", &moment.shape)?,
-            },
-        }))
+        let ledgers = (0..batches).map(|batch| read_ledgers(&mut file, layout, batch));
+        let ledgers = ledgers.collect::<Result<_, _>>()?;
+        let mut tables = SumTables::read(&mut file, layout, Part::Sums, true)?;
+        tables.set_batches(batches as u64);
+        Ok(Some(Self { ledgers, tables }))
     }
+}
+
+fn ledgers_name(batch: usize) -> String {
+    format!("{batch}.{}", LEDGERS.name)
+}
+
+/// The ledgers of one batch as an array of a shard or a state.
+pub(super) fn ledgers_entry<'a>(layout: &YarnLayout, batch: usize, ledgers: &[Ledger]) -> Entry<'a> {
+    let amounts: Vec<f64> = ledgers.iter().flat_map(Ledger::amounts).collect();
+    LEDGERS.entry(layout, ledgers_name(batch), Values::F64(amounts.into()))
+}
+
+pub(super) fn read_ledgers(file: &mut Reader, layout: &YarnLayout, batch: usize) -> Result<Vec<Ledger>, ArtefactError> {
+    let amounts: Vec<f64> = file.array(&ledgers_name(batch), &LEDGERS.shape(layout))?;
+    Ok(amounts
+        .as_chunks()
+        .0
+        .iter()
+        .copied()
+        .map(Ledger::from_amounts)
+        .collect())
 }

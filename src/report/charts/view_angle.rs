@@ -1,99 +1,83 @@
-//! The drawing of one graph: R in a large panel, G and B beside it on their own ordinates.
+//! Graphs of β over the signed view angle, one an incidence: R in a large panel, G and B beside it on their own ordinates.
 
-use super::ReportData;
-use super::tables::{channel_name, with_error, words_of};
+use super::canvas::{
+    Area, CAPTION_LINE, DrawingError, Drawn, MARGIN, PANEL_PX, PlotArea, SCALE, TEXT_PX, TICK_PX, TITLE_PX, at,
+    chart_font, key_points, minus, text, tick_decimals, wrap,
+};
+use super::look::{Look, draw_band, draw_line, finite, look};
+use super::picture::{Chart, Drawing, files, png, svg};
 use crate::compare::{Channel, CurvePoint, Role, Source, SourceId};
-use plotters::coord::Shift;
-use plotters::coord::ranged1d::BoldPoints;
-use plotters::coord::types::RangedCoordf64;
+use crate::report::error::ReportError;
+use crate::report::result::ReportData;
+use crate::report::tables::{channel_name, with_error, words_of};
 use plotters::prelude::*;
-use plotters::style::register_font;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
-use std::sync::Once;
 
-/// DejaVu Sans measures the text; where a viewer of the SVG lacks it, Verdana has the same widths.
-const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
-static REGISTER: Once = Once::new();
+/// Models and samples at each incidence, then the classical models beside them.
+pub(super) const CHART: Chart = Chart {
+    names: |outline| (1..=2 * outline.incidences).map(name).collect(),
+    files: |data| files(&graphs(data)),
+};
 
-/// Name of the font of the graphs, which plotters draws with once this was called: the system needs none.
-pub fn chart_font() -> &'static str {
-    REGISTER.call_once(|| {
-        // The embedded file is a valid font; were it not, drawing text would return the error.
-        drop(register_font(
-            FONT,
-            FontStyle::Normal,
-            include_bytes!("font/DejaVuSans.ttf"),
-        ))
-    });
-    FONT
+fn name(number: usize) -> String {
+    format!("graph{number}")
 }
 
-/// Lengths below are in px of a 1600 by 1000 graph and drawn twice as large.
-const SCALE: i32 = 2;
-const MARGIN: i32 = 24;
-const CAPTION_LINE: i32 = 24;
-const TITLE_PX: i32 = 32;
-const PANEL_PX: i32 = 24;
-const TEXT_PX: i32 = 20;
-const TICK_PX: i32 = 19;
-
-/// What one graph shows.
+/// One of graphs 1, 2, 3… (models and samples, one an incidence) and the following ones (the classical models beside
+/// them), numbered as in the preprint for its three incidences.
 #[derive(Debug)]
-pub(super) struct Figure<'a> {
-    pub number: usize,
-    pub theta_i_deg: f64,
+pub struct Graph<'a> {
+    number: usize,
+    theta_i_deg: f64,
     /// Roles of the sources that it shows, in the order in which they are drawn and named.
-    pub roles: &'static [Role],
-    pub data: &'a ReportData,
+    roles: &'static [Role],
+    data: &'a ReportData,
 }
 
-type DrawingError<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
-type Drawn<DB> = Result<(), DrawingError<DB>>;
-type Area<DB> = DrawingArea<DB, Shift>;
-type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-
-/// How a source is told apart, in colour and in grey.
-#[derive(Clone, Copy)]
-struct Look {
-    colour: RGBColor,
-    /// Lengths of stroke and gap; `None` is a solid line.
-    dash: Option<(i32, i32)>,
-    width: i32,
-    band_opacity: f64,
+/// Every graph of the result, in order; two for each incidence that has a curve. Where the geometries are the sample's own, an
+/// incidence that it was not measured at, added for Table 1, has none.
+pub fn graphs(data: &ReportData) -> Vec<Graph<'_>> {
+    let sampled = data.readings.geometries_of_sample;
+    let shown = data
+        .curves
+        .iter()
+        .filter(|point| !sampled || data.sample(&point.source).is_some());
+    let mut incidences: Vec<f64> = shown.map(|point| point.theta_i_deg).collect();
+    incidences.sort_by(f64::total_cmp);
+    incidences.dedup();
+    let sets: [&'static [Role]; 2] = [
+        &[Role::Model, Role::Measured],
+        &[Role::Model, Role::Measured, Role::Classical],
+    ];
+    sets.iter()
+        .flat_map(|&roles| incidences.iter().map(move |&theta_i_deg| (roles, theta_i_deg)))
+        .enumerate()
+        .map(|(index, (roles, theta_i_deg))| Graph {
+            number: index + 1,
+            theta_i_deg,
+            roles,
+            data,
+        })
+        .collect()
 }
 
-/// Strokes and gaps of sources after the first of a role.
-const DASHES: [Option<(i32, i32)>; 4] = [None, Some((12, 7)), Some((3, 5)), Some((16, 4))];
-
-/// Look of source number `place` of a role, from 0. The first of each role has the role's own colour and line; later ones take the
-/// next shade and the next pattern of dashes.
-fn look(role: Role, place: usize) -> Look {
-    let (shades, first_dash, width, band_opacity) = match role {
-        Role::Model => (
-            [(20, 70, 160), (0, 135, 150), (105, 60, 170), (70, 120, 40)],
-            0,
-            3,
-            0.30,
-        ),
-        Role::Measured => ([(25, 25, 25), (120, 120, 120), (95, 70, 55), (60, 85, 90)], 1, 2, 0.16),
-        Role::Classical => ([(205, 85, 0), (190, 30, 60), (170, 125, 0), (200, 70, 150)], 2, 3, 0.22),
-    };
-    let (red, green, blue) = shades[place % shades.len()];
-    Look {
-        colour: RGBColor(red, green, blue),
-        dash: DASHES[(first_dash + place) % DASHES.len()],
-        width,
-        band_opacity,
+impl Graph<'_> {
+    /// 1 for the first.
+    pub fn number(&self) -> usize {
+        self.number
     }
-}
 
-/// A standard error to draw: none of one that is not known.
-fn finite(se: f64) -> f64 {
-    if se.is_finite() { se } else { 0.0 }
-}
+    /// The graph as an SVG document of 1600 by 1000 px; it loads nothing.
+    pub fn svg(&self) -> Result<String, ReportError> {
+        svg(self)
+    }
 
-impl Figure<'_> {
+    /// The graph as a PNG of 1600 by 1000 px, 8-bit RGB.
+    pub fn png(&self) -> Result<Vec<u8>, ReportError> {
+        png(self)
+    }
+
     /// One curve in order of view angle; points that are not numbers are left out.
     fn curve(&self, source: &Source, channel: Channel) -> Vec<&CurvePoint> {
         let mut points: Vec<_> = self
@@ -164,8 +148,8 @@ impl Figure<'_> {
         if samples.is_empty() && self.data.readings.total > 0 {
             sentences.push("No measured curve: the sample has no reading at this incidence.".to_owned());
         }
-        // Curves are normalised to the first sample.
-        let first = self.data.samples.first().map(|sample| &sample.id);
+        // Curves are normalised to the first sample that was compared.
+        let first = self.data.normalisation.first().map(|of| &of.sample);
         let coefficients = || self.data.normalisation.iter().filter(|of| Some(&of.sample) == first);
         if let Some(at) = coefficients().next().map(|of| of.at) {
             let factors: Vec<String> = coefficients()
@@ -222,36 +206,41 @@ impl Figure<'_> {
     }
 }
 
-/// Draws the whole graph.
-pub(super) fn draw<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure) -> Drawn<DB> {
-    chart_font();
-    root.fill(&WHITE)?;
-    let (width, height) = root.dim_in_pixel();
-    let (width, height) = (width as i32 / SCALE, height as i32 / SCALE);
-
-    root.draw_text(&figure.title(), &text(TITLE_PX), at(MARGIN, 16))?;
-    let top = draw_legend(root, figure, width)?;
-
-    let mut lines = Vec::new();
-    for sentence in figure.caption() {
-        wrap(root, &sentence, width - 2 * MARGIN, &mut lines)?;
-    }
-    let bottom = height - 12 - CAPTION_LINE * lines.len() as i32;
-    for (index, line) in lines.iter().enumerate() {
-        let y = bottom + CAPTION_LINE * index as i32;
-        root.draw_text(line, &text(TICK_PX), at(MARGIN, y))?;
+impl Drawing for Graph<'_> {
+    fn name(&self) -> String {
+        name(self.number)
     }
 
-    let bottom = bottom - 8;
-    let middle = top + (bottom - top) / 2;
-    let split = width * 6 / 10;
-    draw_panel(root, figure, Channel::R, (0..split, top..bottom))?;
-    draw_panel(root, figure, Channel::G, (split..width, top..middle))?;
-    draw_panel(root, figure, Channel::B, (split..width, middle..bottom))
+    fn draw<DB: DrawingBackend>(&self, root: &Area<DB>) -> Drawn<DB> {
+        chart_font();
+        root.fill(&WHITE)?;
+        let (width, height) = root.dim_in_pixel();
+        let (width, height) = (width as i32 / SCALE, height as i32 / SCALE);
+
+        root.draw_text(&self.title(), &text(TITLE_PX), at(MARGIN, 16))?;
+        let top = draw_legend(root, self, width)?;
+
+        let mut lines = Vec::new();
+        for sentence in self.caption() {
+            wrap(root, &sentence, width - 2 * MARGIN, &mut lines)?;
+        }
+        let bottom = height - 12 - CAPTION_LINE * lines.len() as i32;
+        for (index, line) in lines.iter().enumerate() {
+            let y = bottom + CAPTION_LINE * index as i32;
+            root.draw_text(line, &text(TICK_PX), at(MARGIN, y))?;
+        }
+
+        let bottom = bottom - 8;
+        let middle = top + (bottom - top) / 2;
+        let split = width * 6 / 10;
+        draw_panel(root, self, Channel::R, (0..split, top..bottom))?;
+        draw_panel(root, self, Channel::G, (split..width, top..middle))?;
+        draw_panel(root, self, Channel::B, (split..width, middle..bottom))
+    }
 }
 
 /// Lines, bands and what the bands are, in as many rows as it takes; gives the ordinate below them.
-fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure, width: i32) -> Result<i32, DrawingError<DB>> {
+fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, graph: &Graph, width: i32) -> Result<i32, DrawingError<DB>> {
     const SAMPLE: i32 = 64;
     const ROW: i32 = 30;
     let (mut x, mut y) = (MARGIN, 64);
@@ -265,18 +254,18 @@ fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure, width: i32)
         x += needed;
         Ok(here)
     };
-    for (source, look) in figure.present() {
+    for (source, look) in graph.present() {
         let (x, y) = place(&source.label, SAMPLE + 10)?;
         let band = look.colour.mix(look.band_opacity).filled();
         root.draw(&Rectangle::new([at(x, y), at(x + SAMPLE, y + 20)], band))?;
         let ends = [at(x, y + 10), at(x + SAMPLE, y + 10)];
         match look.dash {
-            None => root.draw(&PathElement::new(ends, stroke(look)))?,
+            None => root.draw(&PathElement::new(ends, look.stroke()))?,
             Some((dash, gap)) => {
                 for start in (0..SAMPLE).step_by((dash + gap) as usize) {
                     let end = (start + dash).min(SAMPLE);
                     let piece = [at(x + start, y + 10), at(x + end, y + 10)];
-                    root.draw(&PathElement::new(piece, stroke(look)))?;
+                    root.draw(&PathElement::new(piece, look.stroke()))?;
                 }
             }
         }
@@ -290,13 +279,13 @@ fn draw_legend<DB: DrawingBackend>(root: &Area<DB>, figure: &Figure, width: i32)
 
 fn draw_panel<DB: DrawingBackend>(
     root: &Area<DB>,
-    figure: &Figure,
+    graph: &Graph,
     channel: Channel,
     (columns, rows): (Range<i32>, Range<i32>),
 ) -> Drawn<DB> {
     let size = (columns.end - columns.start, rows.end - rows.start);
     let area = root.clone().shrink(at(columns.start, rows.start), at(size.0, size.1));
-    let (views, ordinates) = (figure.view_range(), figure.ordinate_range(channel));
+    let (views, ordinates) = (graph.view_range(), graph.ordinate_range(channel));
     let ticks = (size.1 / 45).max(3) as usize;
     let decimals = tick_decimals(&ordinates, ticks);
     let label = |beta: &f64| minus(format!("{beta:.decimals$}"));
@@ -329,15 +318,15 @@ fn draw_panel<DB: DrawingBackend>(
         .set_all_tick_mark_size(5 * SCALE)
         .draw()?;
 
-    draw_directions(&mut chart, figure.theta_i_deg, &views, &ordinates)?;
+    draw_directions(&mut chart, graph.theta_i_deg, &views, &ordinates)?;
     if ordinates.start < 0.0 {
         let zero = [(views.start, 0.0), (views.end, 0.0)];
         chart.draw_series([PathElement::new(zero, BLACK.stroke_width(SCALE as u32))])?;
     }
 
-    let curves: Vec<_> = figure
+    let curves: Vec<_> = graph
         .sources()
-        .map(|(source, look)| (figure.curve(source, channel), look))
+        .map(|(source, look)| (graph.curve(source, channel), look))
         .collect();
     // No band may hide a line.
     for (points, look) in &curves {
@@ -357,7 +346,7 @@ fn draw_panel<DB: DrawingBackend>(
 
 /// Where the light comes from and where a mirror would send it.
 fn draw_directions<DB: DrawingBackend>(
-    chart: &mut Chart<DB>,
+    chart: &mut PlotArea<DB>,
     theta_i_deg: f64,
     views: &Range<f64>,
     ordinates: &Range<f64>,
@@ -381,101 +370,6 @@ fn draw_directions<DB: DrawingBackend>(
         let style = text(TICK_PX).color(&grey).pos(Pos::new(h_pos, VPos::Top));
         let label = EmptyElement::at((angle, ordinates.end)) + Text::new(name, at(shift, 5), style);
         chart.draw_series([label])?;
-    }
-    Ok(())
-}
-
-/// Half the width a single view is drawn with, degrees.
-const STUB_DEG: f64 = 2.0;
-
-/// Abscissa, value and standard error of a curve; a single view becomes a short level stroke that a band can be seen on.
-fn strokes(points: &[&CurvePoint]) -> Vec<(f64, f64, f64)> {
-    match points {
-        [point] => [-STUB_DEG, STUB_DEG]
-            .map(|shift| (point.theta_v_deg + shift, point.beta, finite(point.se)))
-            .to_vec(),
-        points => points.iter().map(|p| (p.theta_v_deg, p.beta, finite(p.se))).collect(),
-    }
-}
-
-fn draw_band<DB: DrawingBackend>(chart: &mut Chart<DB>, points: &[&CurvePoint], look: Look) -> Drawn<DB> {
-    let strokes = strokes(points);
-    if strokes.is_empty() || strokes.iter().any(|(_, _, se)| !se.is_finite()) {
-        return Ok(());
-    }
-    let upper: Vec<_> = strokes.iter().map(|(angle, beta, se)| (*angle, beta + se)).collect();
-    let lower: Vec<_> = strokes.iter().map(|(angle, beta, se)| (*angle, beta - se)).collect();
-    let outline: Vec<_> = upper.iter().chain(lower.iter().rev()).copied().collect();
-    let edge = look.colour.mix(0.5).stroke_width(SCALE as u32);
-    chart.draw_series([Polygon::new(outline, look.colour.mix(look.band_opacity).filled())])?;
-    chart.draw_series([upper, lower].map(|side| PathElement::new(side, edge)))?;
-    Ok(())
-}
-
-fn draw_line<DB: DrawingBackend>(chart: &mut Chart<DB>, points: &[&CurvePoint], look: Look) -> Drawn<DB> {
-    let line: Vec<_> = strokes(points).iter().map(|(angle, beta, _)| (*angle, *beta)).collect();
-    match look.dash {
-        None => chart.draw_series([PathElement::new(line, stroke(look))])?,
-        Some((dash, gap)) => chart.draw_series(DashedLineSeries::new(line, dash * SCALE, gap * SCALE, stroke(look)))?,
-    };
-    let dot = |point: &&CurvePoint| Circle::new((point.theta_v_deg, point.beta), 3 * SCALE, look.colour.filled());
-    chart.draw_series(points.iter().map(dot))?;
-    Ok(())
-}
-
-fn at(x: i32, y: i32) -> (i32, i32) {
-    (x * SCALE, y * SCALE)
-}
-
-fn text(px: i32) -> TextStyle<'static> {
-    TextStyle::from((FONT, px * SCALE)).color(&BLACK)
-}
-
-fn stroke(look: Look) -> ShapeStyle {
-    look.colour.stroke_width((look.width * SCALE) as u32)
-}
-
-/// Typographic minus, as wide as a plus.
-fn minus(number: String) -> String {
-    number.replace('-', "−")
-}
-
-/// Where the ticks of an axis stand.
-fn key_points(ordinates: &Range<f64>, ticks: usize) -> Vec<f64> {
-    RangedCoordf64::from(ordinates.clone()).key_points(BoldPoints(ticks))
-}
-
-/// The fewest decimals that print every tick exactly.
-fn tick_decimals(ordinates: &Range<f64>, ticks: usize) -> usize {
-    let span = ordinates.end - ordinates.start;
-    let points = key_points(ordinates, ticks);
-    let exact = |decimals: &usize| {
-        let unit = 10.0_f64.powi(*decimals as i32);
-        points
-            .iter()
-            .all(|tick| ((tick * unit).round() / unit - tick).abs() < 1e-6 * span)
-    };
-    (0..12).find(exact).unwrap_or(12)
-}
-
-/// Breaks a text at spaces into lines no wider than `width` px.
-fn wrap<DB: DrawingBackend>(root: &Area<DB>, sentence: &str, width: i32, lines: &mut Vec<String>) -> Drawn<DB> {
-    let style = text(TICK_PX);
-    let mut line = String::new();
-    for word in sentence.split_whitespace() {
-        let longer = if line.is_empty() {
-            word.to_owned()
-        } else {
-            format!("{line} {word}")
-        };
-        if !line.is_empty() && root.estimate_text_size(&longer, &style)?.0 as i32 > width * SCALE {
-            lines.push(std::mem::replace(&mut line, word.to_owned()));
-        } else {
-            line = longer;
-        }
-    }
-    if !line.is_empty() {
-        lines.push(line);
     }
     Ok(())
 }
