@@ -307,7 +307,7 @@ fn a_failed_write_leaves_the_earlier_report_alone() {
     assert_eq!(std::fs::read(scratch.path().join("a")).unwrap(), b"old");
     // A name the file system refuses fails while staging; again nothing changes.
     let error = folder
-        .write(&[file("a", b"new"), file(&"x".repeat(300), b"new")])
+        .write(&[file("a", b"new"), file(&"x".repeat(300), b"new")], |_| false)
         .unwrap_err();
     assert!(matches!(error, OutputError::NotWritable { .. }), "{error}");
     assert_eq!(std::fs::read(scratch.path().join("a")).unwrap(), b"old");
