@@ -22,6 +22,16 @@ pub fn shown(value: f64) -> String {
     }
 }
 
+/// A number rounded to so many significant digits, as [`shown`]: "14", "0.55", "2.2e-16".
+pub fn significant(value: f64, digits: usize) -> String {
+    shown(format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value))
+}
+
+/// "1 thread", "2 threads".
+pub fn count(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}
+
 /// A time as people say it, to two digits.
 pub fn time_in_words(seconds: f64) -> String {
     const UNITS: [(f64, &str); 4] = [
@@ -48,7 +58,7 @@ pub fn nan_from_null<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Resul
 
 #[cfg(test)]
 mod tests {
-    use super::shown;
+    use super::{shown, significant};
 
     #[test]
     fn numbers_are_written_as_people_do() {
@@ -64,6 +74,17 @@ mod tests {
             (f64::NAN, "no number"),
         ] {
             assert_eq!(shown(value), text);
+        }
+        for (value, digits, text) in [
+            (14.0, 3, "14"),
+            (-0.7914, 3, "-0.791"),
+            (0.00012345, 2, "0.00012"),
+            (2.22e-16, 2, "2.2e-16"),
+            (1234.6, 2, "1200"),
+            (-0.0, 2, "0"),
+            (f64::INFINITY, 2, "an infinite number"),
+        ] {
+            assert_eq!(significant(value, digits), text);
         }
     }
 }

@@ -1,3 +1,4 @@
+use crate::number::significant;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::cmp::Ordering;
@@ -53,6 +54,16 @@ impl Place {
         Self {
             wavelength_nm: None,
             at: at.into(),
+        }
+    }
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.wavelength_nm {
+            Some(nm) if self.at.is_empty() => write!(f, "{nm} nm"),
+            Some(nm) => write!(f, "{nm} nm {}", self.at),
+            None => f.write_str(&self.at),
         }
     }
 }
@@ -211,7 +222,8 @@ impl Judge {
                 .then(|| (1.2 * needed * self.paths as f64).ceil() as u64),
             note: (!resolved).then(|| {
                 format!(
-                    "the arithmetic is good to {floor:.0e}, and no number of paths shows less; allow a larger tolerance"
+                    "the arithmetic is good to {}, and no number of paths shows less; allow a larger tolerance",
+                    significant(floor, 1)
                 )
             }),
             ..Gate::undecided(law)
@@ -250,21 +262,19 @@ impl Gate {
     pub fn message(&self) -> String {
         let mut text = String::new();
         if self.cells > 0 {
-            let nm = self.worst.wavelength_nm.map(|nm| format!("{nm} nm "));
-            text = format!(
-                "worst of {}: {}{}, {:.3e}",
-                self.cells,
-                nm.unwrap_or_default(),
-                self.worst.at,
-                self.value
-            );
+            let place = self.worst.to_string();
+            let gap = if place.is_empty() { "" } else { ", " };
+            text = format!("worst of {}: {place}{gap}{}", self.cells, significant(self.value, 4));
             text += &match (self.z, self.p) {
-                (Some(z), Some(p)) => format!(" ± {:.1e} (z {z:.2}, joint p {p:.2e})", self.se),
-                _ => format!(", tolerance {:.0e}", self.tolerance),
+                (Some(z), Some(p)) => {
+                    let [se, z, p] = [(self.se, 2), (z, 3), (p, 3)].map(|(number, digits)| significant(number, digits));
+                    format!(" ± {se} (z {z}, joint p {p})")
+                }
+                _ => format!(", tolerance {}", significant(self.tolerance, 2)),
             };
         }
         if self.verdict == Verdict::Undecided && self.cells > 0 {
-            text += &format!("; a departure of {:.1e} might be missed", self.tolerance);
+            text += &format!("; a departure of {} might be missed", significant(self.tolerance, 2));
         }
         if let Some(paths) = self.paths_to_tell {
             text += &format!(": --paths {paths} would tell");

@@ -2,6 +2,7 @@
 
 use super::gate::{Gate, Verdict};
 use super::{CheckError, Checked};
+use crate::number::significant;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 use std::fmt::Write;
@@ -14,19 +15,17 @@ pub fn table(checked: &Checked) -> String {
         "gate", "verdict", "cells", "value", "se", "tolerance", "z"
     );
     for gate in &checked.gates {
-        let nm = gate.worst.wavelength_nm.map(|nm| format!("{nm} nm "));
-        let z = gate.z.map_or(String::new(), |z| format!("{z:.2}"));
+        let z = gate.z.map_or("–".into(), |z| significant(z, 3));
         let _ = writeln!(
             text,
-            "{:<width$} {:<10} {:>7} {:>10.2e} {:>9.1e} {:>9.1e} {z:>7}  {}{}",
+            "{:<width$} {:<10} {:>7} {:>10} {:>9} {:>9} {z:>7}  {}",
             gate.name,
             gate.verdict.word(),
             gate.cells,
-            gate.value,
-            gate.se,
-            gate.tolerance,
-            nm.unwrap_or_default(),
-            gate.worst.at
+            significant(gate.value, 3),
+            significant(gate.se, 2),
+            significant(gate.tolerance, 2),
+            gate.worst
         );
     }
     for gate in &checked.gates {

@@ -406,8 +406,9 @@ impl<'a> Curves<'a> {
             se: shown.se,
             tolerance,
             largest_se: departures.iter().map(|d| d.se).fold(0.0, f64::max),
-            z: self.stated.then(|| shown.value / shown.se),
-            p: self.stated.then(|| p(shown)),
+            // A reading whose error is 0 is known without chance.
+            z: (self.stated && shown.se > 0.0).then(|| shown.value / shown.se),
+            p: (self.stated && shown.se > 0.0).then(|| p(shown)),
             verdict: if broken.is_some() {
                 Verdict::Broken
             } else {

@@ -163,6 +163,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     let mut study = study::load(full.study.as_deref(), options)?;
     if let Some(method) = full.method {
         study.cloth.method = method.choice();
+        study.origin.give("cloth.method", "--method");
     }
     let method = full.method.unwrap_or(Method::Volumetric).choice();
     let inputs = inputs_of(full.study.as_deref(), &study);
@@ -185,6 +186,9 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     let klems = format == Format::RADIANCE_XML;
     let cells = full.cells(format)?;
     let colours = full.colours(format);
+    if !matches!(colours, Colours::Spectral) {
+        plan.require_colour()?;
+    }
     let smaller = if full.rgb {
         " or --to ssdd-binary"
     } else {
@@ -240,6 +244,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
         components: bsdf.components(colours, format == Format::CSV, &mut notices)?,
         warnings: Vec::new(),
     };
+    let writing = terminal.busy("writing the file");
     let written = formats::write(
         &data,
         format,
@@ -248,7 +253,9 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
             encoding,
             side: None,
         },
-    )?;
+    );
+    writing.finish();
+    let written = written?;
     notices.extend(written.notices);
     match format {
         Format::SDR | Format::SSDD => {}

@@ -1,4 +1,5 @@
 use super::inspect::Chosen;
+use super::notice::first_of;
 use super::{Failure, Terminal, study};
 use serde::Serialize;
 use specval::colour::{Adaptation, Colour, ColourSystem, Convention, Illuminant, Observer, RgbSpace, Stated, Xyz};
@@ -97,15 +98,13 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     for notice in &notices {
         terminal.notice(notice);
     }
-    let own: Vec<&String> = spectra.all.iter().flat_map(|spectrum| &spectrum.notices).collect();
-    if let Some(first) = own.first() {
-        let others = own.len() - 1;
-        let more = if others > 0 {
-            format!(" (and {others} more of this kind)")
-        } else {
-            String::new()
-        };
-        terminal.notice(format!("{first}{more}"));
+    let own: Vec<String> = spectra
+        .all
+        .iter()
+        .flat_map(|spectrum| spectrum.notices.clone())
+        .collect();
+    if let Some(words) = first_of(&own) {
+        terminal.notice(words);
     }
     let colours: Vec<NamedColour> = spectra
         .all
@@ -139,7 +138,8 @@ fn read(path: &Path, chosen: Chosen) -> Result<Spectra, Failure> {
     }
     match (SpectraFile::read(path), format) {
         (Ok(file), _) => {
-            chosen.refuse_for("a table of spectra")?;
+            let refused = chosen.refuse_for("a table of spectra");
+            refused.map_err(|error| format!("{}: {error}", path.display()))?;
             Ok(named(file)?)
         }
         (Err(_), Ok(format)) if format != Format::WIF => readings(path, chosen),

@@ -1,6 +1,7 @@
 use super::{Failure, Terminal};
 use num_complex::Complex64;
 use serde::Serialize;
+use specval::number::shown;
 use specval::optics::Mie;
 use std::fmt::Write;
 
@@ -86,7 +87,7 @@ fn text(sphere: &Sphere) -> String {
         ("q_back", sphere.q_back),
         ("g", sphere.g),
     ] {
-        let _ = writeln!(text, "{name:<7} {value:.12e}");
+        let _ = writeln!(text, "{name:<7} {}", shown(value));
     }
     let _ = writeln!(
         text,
@@ -96,8 +97,11 @@ fn text(sphere: &Sphere) -> String {
     for ((angle_deg, s1), s2) in sphere.angles_deg.iter().zip(&sphere.s1).zip(&sphere.s2) {
         let _ = writeln!(
             text,
-            "{angle_deg:>10} {:>20.12e} {:>20.12e} {:>20.12e} {:>20.12e}",
-            s1.re, s1.im, s2.re, s2.im
+            "{angle_deg:>10} {:>20} {:>20} {:>20} {:>20}",
+            shown(s1.re),
+            shown(s1.im),
+            shown(s2.re),
+            shown(s2.im)
         );
     }
     text

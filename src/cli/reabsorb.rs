@@ -2,7 +2,7 @@ use super::{Failure, Options, Replace, claim, help, study};
 use serde::Serialize;
 use specval::artefact;
 use specval::report::{LedgerRange, ledger_ranges, ledger_table};
-use specval::run::{FileKind, Reabsorbed, YarnArtefact, input_files, reabsorb};
+use specval::run::{FileKind, Reabsorbed, RunError, YarnArtefact, input_files, reabsorb};
 use specval::study::NumberOrTable;
 use std::path::{Path, PathBuf};
 use std::slice;
@@ -73,7 +73,12 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     study.medium.clone_from(&medium);
     inputs.extend(input_files(&study));
     let (_, terminal) = claim(&[out], &inputs, &arguments.replace, options)?;
-    let artefact = reabsorb(artefact, source, medium)?;
+    let artefact = reabsorb(artefact, source, medium).map_err(|error| match (error.unplaced(), &arguments.dye) {
+        (RunError::Dye { .. } | RunError::DyeRange { .. } | RunError::Table { key: "dye", .. }, Some(_)) => {
+            Failure::from(format!("--dye: {error}"))
+        }
+        _ => error.into(),
+    })?;
     artefact.write(&arguments.out)?;
     let Some(reabsorbed) = artefact.layout.settings.reabsorbed.last() else {
         return Ok(());

@@ -72,6 +72,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let mut study = study::load(arguments.study.as_deref(), options)?;
     if let Some(sample) = arguments.measured.first() {
         study.measured.sample.clone_from(sample);
+        study.origin.give("measured.sample", "--measured");
     }
     let mut notices = Vec::new();
     if arguments.quick {

@@ -298,15 +298,20 @@ impl Component {
             _ => {}
         }
         let integral = self.integral(theta_i_rad, phi_i_rad)?;
+        self.summed(&integral.cells())
+    }
+
+    /// [`Self::integrated`] of the cells of an integral.
+    fn summed(&self, cells: &[Cell]) -> Option<Hemispherical> {
         let mut sums = Hemispherical {
             values: vec![0.0; self.channels.count()],
             errors: vec![0.0; self.channels.count()],
             measured: 0.0,
         };
-        for cell in integral.cells() {
+        for cell in cells {
             sums.measured += cell.measured;
-            sums.values.iter_mut().zip(cell.sums).for_each(|(sum, v)| *sum += v);
-            sums.errors.iter_mut().zip(cell.errors).for_each(|(sum, e)| *sum += e);
+            sums.values.iter_mut().zip(&cell.sums).for_each(|(sum, v)| *sum += v);
+            sums.errors.iter_mut().zip(&cell.errors).for_each(|(sum, e)| *sum += e);
         }
         // The same rule gives the projected hemisphere, to an error far below any gap of a table. The ratio to it is exact where f is
         // constant.
@@ -332,15 +337,43 @@ impl Component {
         })
     }
 
-    /// Points all over the hemisphere of outgoing directions (upright, as tables know them), light being from above: direction,
-    /// cos θ dω, and f cos θ dω a channel. Their sums are [`Self::directional_hemispherical`] to the error of that. Nothing of tables that are constant
-    /// on cells, nor where nothing was measured.
-    pub(crate) fn visit_hemisphere(&self, theta_i: f64, phi_i: f64, mut visit: impl FnMut(&Vec3, f64, &[f64])) {
-        let Some(integral) = self.integral(theta_i, phi_i) else {
-            return;
+    /// The integral over the hemisphere of outgoing directions (upright, as tables know them), light being from above. Without points
+    /// for tables that are constant on cells, and where nothing was measured.
+    pub(crate) fn hemisphere(&self, theta_i: f64, phi_i: f64) -> Hemisphere {
+        let mut points = Vec::new();
+        let total = match self.integral(theta_i, phi_i) {
+            Some(integral) => {
+                let cells = integral.cells();
+                for cell in &cells {
+                    integral.points([cell.polar, cell.around], &GAUSS_3, |out, projected, values| {
+                        points.push((*out, projected, values.to_vec()));
+                    });
+                }
+                self.summed(&cells)
+            }
+            None => self.directional_hemispherical(theta_i, phi_i),
         };
-        for cell in integral.cells() {
-            integral.points([cell.polar, cell.around], &GAUSS_3, &mut visit);
+        Hemisphere { points, total }
+    }
+}
+
+/// Points all over the hemisphere of outgoing directions.
+pub(crate) struct Hemisphere {
+    /// Direction, cos θ dω, and f cos θ dω a channel.
+    points: Vec<(Vec3, f64, Vec<f64>)>,
+    /// As [`Component::directional_hemispherical`]: the sums of the points, to the error of that.
+    total: Option<Hemispherical>,
+}
+
+impl Hemisphere {
+    pub(crate) fn total(&self) -> Option<&Hemispherical> {
+        self.total.as_ref()
+    }
+
+    /// Visits the points turned about the normal: direction, cos θ dω, and f cos θ dω a channel.
+    pub(crate) fn visit(&self, turn_rad: f64, mut visit: impl FnMut(&Vec3, f64, &[f64])) {
+        for (out, projected, values) in &self.points {
+            visit(&about_z(out, turn_rad), *projected, values);
         }
     }
 }

@@ -19,6 +19,7 @@ pub use axis::Axis;
 pub use data::{Component, Evaluation, Goniometric, Table};
 pub use direction::direction;
 pub use grid::Grid;
+pub(crate) use hemispherical::Hemisphere;
 pub use hemispherical::Hemispherical;
 pub use kinds::{Channels, Format, Placement, Provenance, Quantity, Scatter, Side};
 pub use klems::{KlemsBasis, KlemsMatrix};

@@ -54,6 +54,9 @@ pub fn make_folder(path: &Path) -> Result<(), OutputError> {
     if let Some(file) = path.ancestors().find(|p| p.is_file()) {
         return Err(OutputError::FileInTheWay { path: file.to_owned() });
     }
+    if let Some(other) = path.ancestors().find(|p| p.exists() && !p.is_dir()) {
+        return Err(OutputError::NotAFolder { path: other.to_owned() });
+    }
     fs::create_dir_all(path).map_err(not_writable(path))
 }
 

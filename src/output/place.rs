@@ -83,6 +83,14 @@ fn target(path: &Path) -> Result<Target, OutputError> {
         path: path.to_owned(),
         found,
     };
+    let ends_in_slash = path
+        .as_os_str()
+        .as_encoded_bytes()
+        .last()
+        .is_some_and(|byte| std::path::is_separator(char::from(*byte)));
+    if ends_in_slash && !path.is_dir() {
+        return Err(OutputError::FolderName { path: path.to_owned() });
+    }
     let there = match fs::metadata(path) {
         Ok(there) => there,
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => {

@@ -225,7 +225,12 @@ fn errors(text: &mut String, data: &ReportData, [model, classical, sample]: [&So
 /// `black` is a model without light.
 fn verdict(ratio: &RmseRatio, black: bool) -> String {
     if ratio.too_few_paths {
-        return if black { "withheld: no light of the model" } else { "withheld: too few paths" }.to_owned();
+        return if black {
+            "withheld: no light of the model"
+        } else {
+            "withheld: too few paths"
+        }
+        .to_owned();
     }
     let words = match ratio.verdict {
         Verdict::Better => "better",

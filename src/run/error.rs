@@ -20,8 +20,19 @@ use std::path::PathBuf;
 pub enum RunError {
     #[error(transparent)]
     Study(#[from] StudyError),
-    #[error("`{section}.dye`: {source}; nor is there a file of that name in the study's folder")]
+    #[error(
+        "`{section}.dye`: {source}; nor is there a file of that name in the study's folder: take one of these names, or the path of \
+         a table wavelength_nm,value"
+    )]
     Dye {
+        section: &'static str,
+        source: SpectrumError,
+    },
+    /// A dye without values at the study's wavelengths.
+    #[error(
+        "`{section}.dye`: {source}, or set `{section}.kappa_peak` to 0, which needs no dye, and absorb by `{section}.host_mu_a_per_mm`"
+    )]
+    DyeRange {
         section: &'static str,
         source: SpectrumError,
     },
@@ -58,6 +69,14 @@ pub enum RunError {
     Rig(#[from] RigError),
     #[error(transparent)]
     Colour(#[from] ColourError),
+    /// Wavelengths of the study that carry no colour.
+    #[error(
+        "`spectrum.{key}`: {source}; `specval measure`, and `specval bsdf` to ssdd or csv, write spectra and need no colour"
+    )]
+    Wavelengths {
+        key: &'static str,
+        source: Box<ColourError>,
+    },
     #[error("`cloth.weave`: {0}")]
     Weave(#[from] WeaveError),
     #[error("`measured.sample`: {0}")]
@@ -113,9 +132,10 @@ impl RunError {
     /// With the place of the key that the error is of, if it has one there.
     pub(super) fn at(self, origin: &Origin) -> Self {
         let key = match &self {
-            Self::Dye { section, .. } => format!("{section}.dye"),
+            Self::Dye { section, .. } | Self::DyeRange { section, .. } => format!("{section}.dye"),
             Self::Table { section, key, .. } | Self::Medium { section, key, .. } => format!("{section}.{key}"),
             Self::Backing { .. } => "cloth.backing".into(),
+            Self::Wavelengths { key, .. } => format!("spectrum.{key}"),
             Self::Weave(_) => "cloth.weave".into(),
             Self::Sample(_) => "measured.sample".into(),
             Self::Colour(ColourError::File { kind, .. }) => format!("colour.{kind}"),

@@ -1,7 +1,7 @@
 use crate::artefact;
 use crate::formats::{self, Format};
 use crate::study::Study;
-use crate::text::{Heading, heading};
+use crate::text::{Foreign, Heading, foreign, heading};
 use std::fmt;
 use std::fs::File;
 use std::io::Read;
@@ -24,11 +24,22 @@ pub enum FileKind {
     Check,
     /// `report.json`.
     Report,
+    /// `result.json`, from which a report is drawn again.
+    Result,
+    /// `curves.csv` of a report.
+    Curves,
+    /// `energy.csv` of a report or beside the curves of `measure`.
+    Energy,
+    /// Of no use here, but often given.
+    Foreign(Foreign),
     Folder,
 }
 
 /// Bytes of the largest text that is read whole to tell its kind.
 const MOST_TEXT: u64 = 16 << 20;
+
+/// What `result.json` begins with.
+const RESULT_BEGINNING: &[u8] = br#"{"format":"specval result""#;
 
 impl FileKind {
     /// The kind of the file or folder; `None` where it is not known, or cannot be read.
@@ -46,11 +57,16 @@ impl FileKind {
         }
         let mut bytes = Vec::new();
         File::open(path).ok()?.take(MOST_TEXT).read_to_end(&mut bytes).ok()?;
+        if bytes.starts_with(RESULT_BEGINNING) {
+            return Some(Self::Result);
+        }
         let text = std::str::from_utf8(&bytes).ok();
-        text.and_then(of_text).or_else(|| match formats::format_of(path) {
+        let known = text.and_then(of_text);
+        let known = known.or_else(|| foreign(&bytes).map(Self::Foreign));
+        known.or_else(|| match formats::format_of(path) {
             // Square brackets alone, as in a study that cannot be read.
             Ok(Format::WIF) => None,
-            Ok(Format::CSV) => Some(Self::Sample),
+            Ok(Format::CSV) => text.and_then(of_titles).or(Some(Self::Sample)),
             Ok(format) => Some(Self::Goniometric(format)),
             Err(_) => text.and_then(of_titles),
         })
@@ -78,6 +94,15 @@ impl FileKind {
             }
             Self::Check => "compare with it by `specval check --against FILE`",
             Self::Report => "its study is in `provenance.study`; `specval init` writes a study file",
+            Self::Result => "draw its report again with `specval report --from RESULT`",
+            Self::Curves => {
+                "give the sample's own readings; of the model, `specval measure` writes such readings, and `specval report` writes \
+                 these curves"
+            }
+            Self::Energy => {
+                "see it with `specval inspect FILE`; `specval trace` and `specval measure` write such ledgers"
+            }
+            Self::Foreign(foreign) => foreign.remedy,
             Self::Folder => "name a file in it",
         }
     }
@@ -97,6 +122,10 @@ impl fmt::Display for FileKind {
             Self::Spectra => f.write_str("a table of spectra"),
             Self::Check => f.write_str("the document of `specval check --json`"),
             Self::Report => f.write_str("the document of a report (report.json)"),
+            Self::Result => f.write_str("the result of a report (result.json)"),
+            Self::Curves => f.write_str("the curves of a report (curves.csv)"),
+            Self::Energy => f.write_str("an energy ledger (energy.csv)"),
+            Self::Foreign(foreign) => f.write_str(foreign.what),
             Self::Folder => f.write_str("a folder"),
         }
     }
@@ -144,9 +173,12 @@ fn of_text(text: &str) -> Option<FileKind> {
 fn of_titles(text: &str) -> Option<FileKind> {
     /// Lines that a preamble before them has at most.
     const LINES: usize = 200;
-    text.lines().take(LINES).find_map(heading).map(|heading| match heading {
-        Heading::Plane | Heading::Sphere => FileKind::Sample,
-        Heading::Spectra => FileKind::Spectra,
+    let has = |line: &str, titles: &[&str]| titles.iter().all(|title| line.split(',').any(|cell| cell == *title));
+    text.lines().take(LINES).find_map(|line| match heading(line)? {
+        _ if has(line, &["absorbed", "absorbed_se", "residual"]) => Some(FileKind::Energy),
+        _ if has(line, &["source", "channel", "beta", "se"]) => Some(FileKind::Curves),
+        Heading::Plane | Heading::Sphere => Some(FileKind::Sample),
+        Heading::Spectra => Some(FileKind::Spectra),
     })
 }
 

@@ -1,6 +1,7 @@
 //! Memory that a run takes, from its study alone: looked at before any work, so that a study too large for the machine is refused by
 //! the key that makes it so. It decides whether a run begins, and about no result.
 
+use crate::number::{shown, to_two_digits};
 use crate::study::{MethodChoice, ShadeWith, Study, StudyError};
 use crate::yarn::LengthBins;
 
@@ -37,6 +38,8 @@ const SIGHTS: f64 = 4096.0;
 /// Cells of f* that a camera ray weighs, and bytes of each.
 const CELLS_OF_RAY: f64 = 11.0;
 const WEIGHT: f64 = 12.0;
+/// Bytes of a cell of f* of one wavelength, and of its weight.
+const WHITE: f64 = 16.2;
 /// Of a table of f*, what scattering by it from yarn to yarn takes besides.
 const SCATTER: f64 = 0.5;
 /// Bytes of a row of the energy ledger with its texts.
@@ -228,10 +231,12 @@ pub fn bytes(study: &Study, stage: Stage, threads: usize) -> f64 {
             let rays = threads * pixels * CAMERA_RAY;
             // Table 1 has rows of light between the yarns, of one batch at a time at one geometry.
             let at_normal = direct + camera(1.0) + between(1.0) + rays;
+            // The search for gains at grazing incidence, before the batches: a white f* and its weights on each thread.
+            let grazing = threads.min(incidences) * WHITE * cells;
             let under_way = threads.min(BATCHES_UNDER_WAY as f64);
             let kept = n(trace.batches) * views * incidences * wavelengths * 24.0;
             let rows = n(trace.zenith_cells) * n(trace.azimuth_cells) * wavelengths * ENERGY_ROW;
-            PROGRAM + at_normal.max(under_way * simulated + rays) + kept + ledgers + rows
+            PROGRAM + at_normal.max(grazing).max(under_way * simulated + rays) + kept + ledgers + rows
         }
     }
 }
@@ -248,6 +253,7 @@ fn free_bytes() -> f64 {
 
 fn in_bytes(bytes: f64) -> String {
     match bytes {
+        _ if bytes >= 1e12 => format!("{} TB", shown(to_two_digits(bytes * 1e-12))),
         _ if bytes >= 1e9 => format!("{:.1} GB", bytes * 1e-9),
         _ => format!("{:.0} MB", bytes * 1e-6),
     }

@@ -8,7 +8,7 @@ use crate::report::InputDigest;
 use crate::rig::{BeamsOfRig, Direct, Geometry, PixelSamples, Rig};
 use crate::sample::{Chosen, Sample};
 use crate::shading::{Distribution, FibreGloss, ShadingError, Specular};
-use crate::spectrum::{Samples, Spectrum, WavelengthGrid, read_spectrum, tables};
+use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_spectrum, tables};
 use crate::study::{
     CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable,
     SpecularSection, Study, SurfaceChoice, TraceSection,
@@ -279,17 +279,11 @@ impl MediumSpectra {
     /// `section` is what errors call it.
     fn read(section: &'static str, of: &MediumSection, grid: &WavelengthGrid) -> Result<Self, RunError> {
         let read = |key, of| number_or_table(section, key, of, grid);
-        let dye = dye(section, &of.dye)?;
-        dye.on(grid).map_err(|source| RunError::Table {
-            section,
-            key: "dye",
-            source,
-        })?;
         Ok(Self {
             host_index: read("host_index", &of.host_index)?,
             host_mu_a_per_mm: read("host_mu_a_per_mm", &of.host_mu_a_per_mm)?,
             particle_index: read("particle_index", &of.particle_index)?,
-            dye,
+            dye: dye_of(section, of, grid)?,
         })
     }
 
@@ -384,7 +378,22 @@ fn number_or_table(
 
 /// Shape of the study's dye on its grid.
 pub(crate) fn dye_on(study: &Study, grid: &WavelengthGrid) -> Result<Samples, RunError> {
-    Ok(dye("medium", &study.medium.dye)?.on(grid)?)
+    Ok(dye_of("medium", &study.medium, grid)?.on(grid)?)
+}
+
+/// The dye of a medium, which has values on the grid. One that absorbs nothing needs none there.
+fn dye_of(section: &'static str, of: &MediumSection, grid: &WavelengthGrid) -> Result<Spectrum, RunError> {
+    let dye = dye(section, &of.dye)?;
+    match dye.on(grid) {
+        Err(SpectrumError::OutsideTable { .. }) if of.kappa_peak == 0.0 => Ok(Spectrum::Constant(0.0)),
+        Err(source @ SpectrumError::OutsideTable { .. }) => Err(RunError::DyeRange { section, source }),
+        Err(source) => Err(RunError::Table {
+            section,
+            key: "dye",
+            source,
+        }),
+        Ok(_) => Ok(dye),
+    }
 }
 
 /// A built-in dye by its name, else one from a file.

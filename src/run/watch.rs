@@ -42,7 +42,7 @@ impl<'a> Watch<'a> {
             if normal.is_none() {
                 return Err(RunError::NoNormal);
             }
-            plan.colour.require()?;
+            plan.require_colour()?;
         }
         // As the report normalises: where there is no light there, its values are absolute.
         let measured = match normalised {

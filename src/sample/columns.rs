@@ -1,6 +1,7 @@
 use crate::spectrum::plausibility;
 use crate::spectrum::{CsvError, CsvTable};
 use crate::text::band_nm;
+use crate::text::remedy_for_brdf;
 
 /// Which column holds what.
 pub(super) struct Columns {
@@ -106,7 +107,11 @@ impl Finder<'_> {
                           theta_i_deg,theta_v_deg and one column a wavelength (390,400,...), or \
                           theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b[,beta_r_se,beta_g_se,beta_b_se] for RGB";
             let found = self.table.columns().join(",");
-            self.table.header_error(&format!("a column {name}"), &found, remedy)
+            self.table.header_error(
+                &format!("a column {name}"),
+                &found,
+                remedy_for_brdf(&found).unwrap_or(remedy),
+            )
         })
     }
 

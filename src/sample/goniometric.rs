@@ -1,10 +1,9 @@
 use super::description::Chosen;
 use super::error::SampleError;
 use super::notice::SampleNotice;
-use super::row::{Axis, Row};
+use super::row::{Axis, Row, unit_doubts};
 use crate::goniometric::{Channels, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
 use crate::spectrum::WavelengthGrid;
-use crate::spectrum::plausibility;
 
 /// Common to the observers' and the illuminants' tables.
 const COLOUR_NM: std::ops::RangeInclusive<f64> = 360.0..=780.0;
@@ -112,10 +111,7 @@ impl GoniometricData {
         if let Table::Scattered(table) = &this.component.table {
             this.outside_plane = table.readings().len().saturating_sub(this.rows.len());
         }
-        let beta = this.rows.iter().flat_map(|row| row.beta.iter().copied());
-        let per_cent = plausibility::per_cent_for_fractions("beta", beta);
-        let angles = this.rows.iter().flat_map(|row| [row.theta_i_deg, row.theta_v_deg]);
-        let doubts = per_cent.into_iter().chain(plausibility::radians_for_degrees(angles));
+        let doubts = unit_doubts(&this.rows);
         this.notices.extend(doubts.map(SampleNotice::from));
         Ok(this)
     }

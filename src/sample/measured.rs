@@ -6,9 +6,8 @@ use super::goniometric::GoniometricData;
 use super::nominal::AnglesRead;
 use super::notice::SampleNotice;
 use super::ratios::PublishedRatios;
-use super::row::{Axis, Row};
+use super::row::{Axis, Row, unit_doubts};
 use crate::goniometric::Scatter;
-use crate::spectrum::plausibility;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Data {
@@ -88,10 +87,7 @@ impl Sample {
 
     /// Whether values or angles look like those of another unit, of which [`Sample::notices`] tell.
     pub fn implausible(&self) -> bool {
-        let beta = self.rows().iter().flat_map(|row| row.beta.iter().copied());
-        let angles = self.geometries().flat_map(|(theta_i, theta_v)| [theta_i, theta_v]);
-        plausibility::per_cent_for_fractions("beta", beta).is_some()
-            || plausibility::radians_for_degrees(angles).is_some()
+        unit_doubts(self.rows()).next().is_some()
     }
 
     /// What was made of angles that an encoder read back.

@@ -10,6 +10,8 @@ pub struct Origin {
     file: String,
     /// By `section.key`, from 1.
     lines: BTreeMap<String, usize>,
+    /// Options of the command line in place of keys, by `section.key`.
+    options: BTreeMap<String, &'static str>,
     old_keys: Vec<OldKey>,
 }
 
@@ -24,13 +26,20 @@ impl Origin {
         Self {
             file: file.into(),
             lines,
+            options: BTreeMap::new(),
             old_keys: Vec::new(),
         }
     }
 
-    /// Where a key, as `section.key`, has its value: in the file as a whole for one that it leaves out; `None` without
-    /// a file.
+    /// Where a key, as `section.key`, has its value: an option of the command line, or a line of the file, or the file as a
+    /// whole for one that it leaves out; `None` without a file.
     pub fn place(&self, key: &str) -> Option<Box<Place>> {
+        if let Some(option) = self.options.get(key) {
+            return Some(Box::new(Place {
+                file: (*option).into(),
+                line: 0,
+            }));
+        }
         (!self.file.is_empty()).then(|| {
             Box::new(Place {
                 file: self.file.clone(),
@@ -60,9 +69,9 @@ impl Origin {
         &self.old_keys
     }
 
-    /// That a key no longer has its value from the file.
-    pub fn forget(&mut self, key: &str) {
-        self.lines.remove(key);
+    /// That a key has its value from an option of the command line, and no longer from the file.
+    pub fn give(&mut self, key: &str, option: &'static str) {
+        self.options.insert(key.into(), option);
     }
 
     /// The error with the place of its key, if it has none yet.

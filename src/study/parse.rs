@@ -51,7 +51,13 @@ impl Source<'_> {
             place: self.place(at),
             message: match decimal_comma(line) {
                 Some([found, point]) => format!("expected a number with a decimal point, found {found}; write {point}"),
-                None => error.message().trim().replace('\n', ", "),
+                None => match error.message().trim() {
+                    "duplicate key" => {
+                        let key = error.span().map_or_else(String::new, |span| self.quote(span));
+                        format!("expected every key once, found `{key}` again")
+                    }
+                    message => message.replace('\n', ", "),
+                },
             },
         }
     }

@@ -137,13 +137,20 @@ fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyErro
     if fits {
         return Ok(());
     }
-    let remedy = format!("it is: {}", field.meaning.trim_end_matches('.'));
+    let remedy = corrected(field.meaning);
     Err(value(
         fields::path(section, field.key),
         field.expected(),
         found_text(found),
         remedy,
     ))
+}
+
+fn corrected(meaning: &str) -> String {
+    format!(
+        "correct it, or leave it out for its default; it is: {}",
+        meaning.trim_end_matches('.')
+    )
 }
 
 /// [`Study::check_medium_table`], for any section.
@@ -175,7 +182,7 @@ pub(super) fn table_of(section: &str, key: &str, path: &str, values: &Samples) -
         Some((nm, found)) => fault(
             format!("each value {range} {unit}").trim_end().to_owned(),
             format!("{} at {} nm", shown(*found), shown(*nm)),
-            format!("it is: {}", meaning.trim_end_matches('.')),
+            corrected(meaning),
         ),
     }
 }

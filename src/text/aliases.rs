@@ -216,3 +216,16 @@ pub(super) fn plain(title: &str) -> String {
     plain.truncate(plain.trim_end_matches('_').len());
     plain
 }
+
+/// What to do about a column of f in 1/sr, by its title.
+pub(crate) fn remedy_for_brdf(titles: &str) -> Option<&'static str> {
+    let mut words = titles.split(|c: char| !c.is_ascii_alphanumeric());
+    let is_brdf = |word: &str| {
+        ["brdf", "btdf", "bsdf", "f"]
+            .iter()
+            .any(|known| word.eq_ignore_ascii_case(known))
+    };
+    words.any(is_brdf).then_some(
+        "a BRDF or BTDF f, in 1/sr, is read as the brightness factor beta = pi f: multiply it by pi and name it beta",
+    )
+}

@@ -2,6 +2,7 @@
 
 use super::decimals::Decimals;
 use super::encoding::decode;
+use super::foreign::foreign;
 use super::records::{Record, Rows, is_comment, stated_separator};
 use super::table::{CsvError, CsvTable, shortened};
 use super::{titles, units};
@@ -150,6 +151,16 @@ impl CsvTable {
 
 /// Text of a file with lines that end with `\n`, and a notice of its encoding.
 pub(crate) fn lines_of(name: &str, bytes: &[u8]) -> Result<(String, Option<String>), Box<CsvError>> {
+    if let Some(found) = foreign(bytes) {
+        return Err(Box::new(CsvError {
+            name: name.into(),
+            line: 1,
+            column: None,
+            expected: "a table as text".into(),
+            found: found.what.into(),
+            remedy: found.remedy.into(),
+        }));
+    }
     match decode(bytes) {
         Ok(decoded) => {
             let text = match decoded.text.contains('\r') {

@@ -151,6 +151,7 @@ pub fn document(path: &Path, format: &'static str, terminal: &Terminal) -> Resul
     terminal.result(&document, |of| {
         let mut text = match of.format {
             "check" => "format       result of a check, compared with by `specval check --against`\n".to_owned(),
+            "result" => "format       result of a report, drawn again by `specval report --from`\n".to_owned(),
             _ => "format       document of a report; angles are degrees, wavelengths nm, brightness factors dimensionless\n"
                 .to_owned(),
         };
@@ -158,5 +159,41 @@ pub fn document(path: &Path, format: &'static str, terminal: &Terminal) -> Resul
             let _ = writeln!(text, "{name:<20} {words}");
         }
         text
+    })
+}
+
+#[derive(Serialize)]
+struct Rows {
+    format: &'static str,
+    columns: Vec<String>,
+    rows: usize,
+}
+
+/// `curves.csv` or `energy.csv`.
+pub fn table(path: &Path, format: &'static str, terminal: &Terminal) -> Result<(), Failure> {
+    let refuse = |error: csv::Error| NoDocument {
+        path: path.to_owned(),
+        expected: "a table as specval writes it",
+        found: error.to_string(),
+    };
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(path)
+        .map_err(refuse)?;
+    let columns = reader.headers().map_err(refuse)?.iter().map(str::to_owned).collect();
+    let rows = reader.records().collect::<Result<Vec<_>, _>>().map_err(refuse)?.len();
+    let found = Rows { format, columns, rows };
+    terminal.result(&found, |of| {
+        let what = match of.format {
+            "curves" => {
+                "curves of a report: brightness factors, dimensionless, 1 for the perfect diffuser; angles in degrees"
+            }
+            _ => "energy ledger: fractions of the incident light, each with its standard error; wavelengths in nm",
+        };
+        format!(
+            "format       {what}\nrows         {}\ncolumns      {}\n",
+            of.rows,
+            of.columns.join(" ")
+        )
     })
 }

@@ -1,6 +1,7 @@
 //! This program's CSV of goniometric readings.
 
 use std::collections::HashMap;
+use std::iter::zip;
 use std::ops::RangeInclusive;
 
 use crate::formats::descriptor::{Descriptor, Holds, Input, Reader, USUAL_SIZES, Writer};
@@ -10,7 +11,7 @@ use crate::goniometric::{
     Channels, Component, Directions, Format, Goniometric, Provenance, Quantity, Scatter, Scattered, Side, Table,
 };
 use crate::spectrum::{WavelengthGrid, plausibility};
-use crate::text::{CsvError, CsvTable, Heading, heading};
+use crate::text::{CsvError, CsvTable, Heading, heading, remedy_for_brdf};
 
 pub(super) const FORMAT: Descriptor = Descriptor {
     format: Format::new("csv"),
@@ -92,7 +93,8 @@ impl Layout {
         .into_iter()
         .find(|set| set.iter().all(|name| table.column(name).is_some()))
         .ok_or_else(|| {
-            let remedy = "or a column a wavelength, titled with it in nm, such as 450";
+            let remedy =
+                remedy_for_brdf(&found()).unwrap_or("or a column a wavelength, titled with it in nm, such as 450");
             table.header_error("columns wavelength_nm,beta or beta_r,beta_g,beta_b", &found(), remedy)
         })?;
         let angles = angle_columns
@@ -271,15 +273,27 @@ impl Readings {
                 return Err(table.row_error(self.lowest.1, &expected, &found, &remedy));
             }
         }
-        let values = || {
-            self.points
-                .iter()
-                .flatten()
-                .flat_map(|point| point.values.iter().copied())
+        let degrees = |angles: &[f64]| -> Vec<f64> { angles.iter().map(|angle| angle.to_degrees()).collect() };
+        let readings = zip(&self.angles, &self.points).flat_map(|(angles, points)| {
+            let in_lobe = match degrees(angles)[..] {
+                [theta_i, phi_i, theta_o, phi_o] => plausibility::in_lobe(theta_i, theta_o, phi_o - phi_i),
+                [theta_i, theta_v] => plausibility::in_lobe_of_plane(theta_i, theta_v),
+                _ => false,
+            };
+            let values = points.iter().flat_map(|point| &point.values);
+            values.map(move |value| (*value, in_lobe))
+        });
+        let per_cent = plausibility::per_cent_for_fractions("beta", readings);
+        // Polar angles and azimuths take turns, but in the plane.
+        let of = |is_polar: bool| {
+            let angles = self.angles.iter().flat_map(move |angles| {
+                let is_plane = angles.len() == PLANE.len();
+                let wanted = move |(at, _): &(usize, &f64)| (is_plane || at % 2 == 0) == is_polar;
+                angles.iter().enumerate().filter(wanted)
+            });
+            angles.map(|(_, angle)| angle.to_degrees())
         };
-        let per_cent = plausibility::per_cent_for_fractions("beta", values());
-        let angles = self.angles.iter().flatten().map(|angle| angle.to_degrees());
-        let radians = plausibility::radians_for_degrees(angles);
+        let radians = plausibility::radians_for_degrees(of(true), of(false));
         notices.extend(per_cent.into_iter().chain(radians).map(|doubt| doubt.to_string()));
         Ok(notices)
     }

@@ -2,7 +2,7 @@
 
 use super::sampling::ChannelMap;
 use crate::goniometric::{Component, Hemispherical};
-use crate::number::shown;
+use crate::number::{count, shown};
 
 /// Factors beyond these would bend values more than they mend them: the table cannot hold what the source does.
 const FACTORS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
@@ -137,8 +137,8 @@ impl Balance {
         }
         if self.uncovered > 0 {
             notices.push(format!(
-                "at {} directions of incidence the source does not cover the hemisphere: its hemispherical value is not kept there",
-                self.uncovered
+                "at {} of incidence the source does not cover the hemisphere: its hemispherical value is not kept there",
+                count(self.uncovered, "direction")
             ));
         }
     }

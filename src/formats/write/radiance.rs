@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use rayon::prelude::*;
@@ -8,8 +9,8 @@ use super::balance::Balance;
 use super::sampling::{ChannelMap, Sampler, clipped};
 use crate::geometry::Vec3;
 use crate::goniometric::{
-    Channels, Component, Format, Hemispherical, KlemsBasis, KlemsMatrix, Provenance, Scatter, Side, SpecularTable,
-    Table, angles_of, rounded_deg,
+    Channels, Component, Format, Hemisphere, Hemispherical, KlemsBasis, KlemsMatrix, Provenance, Scatter, Side,
+    SpecularTable, Table, angles_of, rounded_deg,
 };
 
 /// Points along either side of a patch that its mean is taken over, exiting and incident.
@@ -150,14 +151,44 @@ fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) ->
     let count = basis.count();
     let exiting: Vec<Vec<Vec3>> = (0..count).map(|patch| inside(&basis, patch, EXITING)).collect();
     let weight = 1.0 / (INCIDENT * INCIDENT) as f64;
+    let towards = |light: &Vec3| Vec3::new(-light.x, -light.y, light.z);
+    // Of an isotropic source the hemispheres at one polar angle are one, turned.
+    let mut polar: BTreeMap<u64, f64> = BTreeMap::new();
+    if component.is_isotropic() {
+        let lights = (0..count).flat_map(|incident| inside(&basis, incident, INCIDENT));
+        let angles = lights.map(|light| angles_of(&towards(&light)).0);
+        angles.for_each(|theta_i| {
+            polar.entry(polar_key(theta_i)).or_insert(theta_i);
+        });
+    }
+    let shared: BTreeMap<u64, Hemisphere> = polar
+        .into_par_iter()
+        .map(|(key, theta_i)| (key, component.hemisphere(theta_i, 0.0)))
+        .collect();
     let columns: Vec<(Vec<f64>, Balance)> = (0..count)
         .into_par_iter()
         .map(|incident| {
             let mut balance = Balance::default();
             let mut column = vec![0.0; channels * count];
             for light in inside(&basis, incident, INCIDENT) {
-                let omega_in = Vec3::new(-light.x, -light.y, light.z);
-                let means = patch_means(component, &basis, &sampler, &exiting, &omega_in, &mut balance)?;
+                let omega_in = towards(&light);
+                let (theta_i, phi_i) = angles_of(&omega_in);
+                let own;
+                let (hemisphere, turn_rad) = match shared.get(&polar_key(theta_i)) {
+                    Some(shared) => (shared, phi_i),
+                    None => {
+                        own = component.hemisphere(theta_i, phi_i);
+                        (&own, 0.0)
+                    }
+                };
+                let means = patch_means(
+                    &basis,
+                    &sampler,
+                    &exiting,
+                    &omega_in,
+                    (hemisphere, turn_rad),
+                    &mut balance,
+                )?;
                 for (out, f) in means.iter().enumerate() {
                     for (channel, f) in map.apply(f).into_iter().enumerate() {
                         column[channel * count + out] += weight * f;
@@ -182,20 +213,25 @@ fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) ->
     Ok(KlemsMatrix::new(basis.clone(), basis, values))
 }
 
-/// Means of f over exiting patches, one value a channel, of light from a direction.
+/// Polar angles that differ by rounding alone have one key.
+fn polar_key(theta_i: f64) -> u64 {
+    (theta_i * 1e9).round() as u64
+}
+
+/// Means of f over exiting patches, one value a channel, of light from a direction, whose hemisphere is to be turned.
 fn patch_means(
-    component: &Component,
     basis: &KlemsBasis,
     sampler: &Sampler,
     exiting: &[Vec<Vec3>],
     omega_in: &Vec3,
+    (hemisphere, turn_rad): (&Hemisphere, f64),
     balance: &mut Balance,
 ) -> Result<Vec<Vec<f64>>, WriteError> {
-    let channels = component.channels.count();
-    let (theta_i, phi_i) = angles_of(omega_in);
+    let channels = sampler.channels();
+    let (theta_i, _) = angles_of(omega_in);
     let mut integrals = vec![vec![0.0; channels]; basis.count()];
     let mut covered = vec![0.0; basis.count()];
-    component.visit_hemisphere(theta_i, phi_i, |omega_out, projected, values| {
+    hemisphere.visit(turn_rad, |omega_out, projected, values| {
         let patch = basis.patch(omega_out);
         covered[patch] += projected;
         integrals[patch].iter_mut().zip(values).for_each(|(sum, f)| *sum += f);
@@ -210,11 +246,12 @@ fn patch_means(
                 integral.iter_mut().zip(f).for_each(|(sum, f)| *sum += f);
             }
             covered[patch] = exiting[patch].len() as f64;
+        } else {
+            sampler.measured(exiting[patch].len());
         }
         integral.iter_mut().for_each(|f| *f /= covered[patch]);
         means.push(integral);
     }
-    let source = component.directional_hemispherical(theta_i, phi_i);
     let sum = |channel: usize| -> f64 {
         let patches = means.iter().enumerate();
         patches
@@ -226,7 +263,7 @@ fn patch_means(
         errors: vec![0.0; channels],
         measured: 1.0,
     };
-    let factors = balance.factors(rounded_deg(theta_i), source.as_ref(), Some(&table), channels);
+    let factors = balance.factors(rounded_deg(theta_i), hemisphere.total(), Some(&table), channels);
     for f in &mut means {
         f.iter_mut().zip(&factors).for_each(|(f, factor)| *f *= factor);
     }

@@ -57,6 +57,15 @@ impl<'a> Sampler<'a> {
         })
     }
 
+    pub(super) fn channels(&self) -> usize {
+        self.component.channels.count()
+    }
+
+    /// That so many values were had from the source in another way.
+    pub(super) fn measured(&self, values: usize) {
+        self.asked.fetch_add(values, Relaxed);
+    }
+
     /// Directions as they are above the surface, light on its front; of transmission the outgoing one mirrored up.
     pub(super) fn bsdf(&self, omega_in: &Vec3, omega_out: &Vec3) -> Result<Vec<f64>, WriteError> {
         self.mean_over_turns(omega_in, omega_out, &[0.0])
