@@ -2,15 +2,15 @@ use super::lane_math::LANES;
 use crate::fault::{self, Fault};
 use crate::optics::{Phase, PhaseTable};
 
-/// Angles drawn from phase functions, one for each lane.
+/// Scattering angles drawn from phase functions, one for each lane.
 pub(super) struct Turns {
-    /// Column of the tables it is drawn from, where in it, and what it holds.
+    /// Column of the alias table it is drawn from, position in that column from 0 to 1, and contents of the column.
     column: [u64; LANES],
     rest: [f64; LANES],
     fetched: Fetched,
     pub cos_theta: [f64; LANES],
-    /// Interval between the tables' nodes an angle lies in, a whole number, and where in it from the first node (0) to the
-    /// second (1). Of no meaning where phase functions are not tables.
+    /// Interval between nodes of the table that contains the angle (an index, stored as a float), and position in it
+    /// from the first node (0) to the second (1). Undefined if the phase functions are not tables.
     pub interval: [f64; LANES],
     pub place: [f64; LANES],
 }
@@ -28,7 +28,7 @@ impl Default for Turns {
     }
 }
 
-/// The column of each lane.
+/// Contents of the alias-table column of each lane.
 struct Fetched {
     own: [f32; LANES],
     alias: [f32; LANES],
@@ -47,32 +47,34 @@ impl Default for Fetched {
     }
 }
 
-/// Phase functions of several wavelengths, made ready for drawing from any of them.
+/// Phase functions of several wavelengths, prepared for sampling.
 #[derive(Clone, Debug)]
 pub(super) enum Angles<'a> {
     Tables(Columns),
     Functions(Vec<&'a Phase>),
 }
 
-/// Tables on the same nodes: Walker's alias method chooses the interval, whose linear density is then inverted, without a
-/// branch or a search. One row of intervals after the other, one for each wavelength.
+/// Alias tables on common nodes. Walker's alias method chooses the interval, whose linear density is then inverted,
+/// without a branch or a search. Columns are stored wavelength by wavelength.
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
     intervals: usize,
     columns: Vec<Column>,
 }
 
-/// In single precision: a probability off by parts in 10⁸ does no harm, and a table fits the nearest cache.
+/// A column in single precision: a relative error of 10⁻⁸ in a probability is harmless, and a table then fits the
+/// first-level cache.
 #[derive(Clone, Copy, Debug)]
 struct Column {
-    /// Share of the column that is the interval's own; the rest belongs to the interval `alias`, a whole number.
+    /// Probability of the column's own interval; the rest belongs to the interval `alias` (an index, stored as a
+    /// float).
     own: f32,
     alias: f32,
-    /// Density at the first node over the sum of both: of the interval, and of the alias.
+    /// Density at the first node over the sum at both nodes, for the interval and for its alias.
     lean: [f32; 2],
 }
 
-/// 2⁵²: added to a whole number it brings it to the low bits.
+/// 2⁵²: adding it to an integer stored as a float moves the integer to the low bits.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
 
 impl<'a> Angles<'a> {
@@ -87,63 +89,63 @@ impl<'a> Angles<'a> {
         }
     }
 
-    /// Begins to draw from the phase function of each lane's wavelength (a whole number) with a uniform random number in [0, 1). Apart from
-    /// [`Angles::draw`] because what is written lane by lane holds up vectors that read it at once.
+    /// First half of a draw from the phase function of each lane's wavelength (an index, stored as a float), with a
+    /// uniform random number `u` in [0, 1). Separate from [`Angles::draw`] because vector loads stall on values just
+    /// written lane by lane.
     #[inline(always)]
-    pub fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], turns: &mut Turns) {
+    pub fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], deflection: &mut Turns) {
         match self {
             Self::Tables(columns) if fault::active(Fault::NeighbourAngle) => {
                 let wavelengths = (columns.columns.len() / columns.intervals) as f64;
-                columns.fetch(&wavelength.map(|w| (w + 1.0) % wavelengths), u, turns);
+                columns.fetch(&wavelength.map(|w| (w + 1.0) % wavelengths), u, deflection);
             }
-            Self::Tables(columns) => columns.fetch(wavelength, u, turns),
+            Self::Tables(columns) => columns.fetch(wavelength, u, deflection),
             Self::Functions(phases) => {
                 for lane in 0..LANES {
-                    turns.cos_theta[lane] = phases[wavelength[lane] as usize].sample(u[lane]);
+                    deflection.cos_theta[lane] = phases[wavelength[lane] as usize].sample(u[lane]);
                 }
             }
         }
     }
 
-    /// Draws what was begun.
+    /// Second half of a draw: computes the angles from what [`Angles::fetch`] loaded.
     #[inline(always)]
-    pub fn draw(&self, turns: &mut Turns) {
+    pub fn draw(&self, deflection: &mut Turns) {
         if let Self::Tables(columns) = self {
-            columns.draw(turns);
+            columns.draw(deflection);
         }
     }
 }
 
 impl Columns {
     #[inline(always)]
-    fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], turns: &mut Turns) {
+    fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], deflection: &mut Turns) {
         let intervals = self.intervals as f64;
         for i in 0..LANES {
             let at = u[i] * intervals;
             let near = (at + WHOLE) - WHOLE;
             let k = if near > at { near - 1.0 } else { near };
-            turns.interval[i] = k;
-            turns.rest[i] = at - k;
-            turns.column[i] = (wavelength[i] * intervals + k + WHOLE).to_bits() & u64::from(u32::MAX);
+            deflection.interval[i] = k;
+            deflection.rest[i] = at - k;
+            deflection.column[i] = (wavelength[i] * intervals + k + WHOLE).to_bits() & u64::from(u32::MAX);
         }
-        // A loop of its own, with the check of the index in it, so that it does not become the processor's gather
-        // instruction, which is slower by far.
+        // A separate loop with a bounds check, so that the compiler does not emit the much slower gather instruction.
         for i in 0..LANES {
-            let column = &self.columns[turns.column[i] as usize];
-            turns.fetched.own[i] = column.own;
-            turns.fetched.alias[i] = column.alias;
-            [turns.fetched.own_lean[i], turns.fetched.alias_lean[i]] = column.lean;
+            let column = &self.columns[deflection.column[i] as usize];
+            deflection.fetched.own[i] = column.own;
+            deflection.fetched.alias[i] = column.alias;
+            [deflection.fetched.own_lean[i], deflection.fetched.alias_lean[i]] = column.lean;
         }
     }
 
     #[inline(always)]
-    fn draw(&self, turns: &mut Turns) {
+    fn draw(&self, deflection: &mut Turns) {
         let step = 1.0 / self.intervals as f64;
-        let of = &turns.fetched;
+        let of = &deflection.fetched;
         let (mut v, mut lean) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
-            let (k, rest) = (turns.interval[i], turns.rest[i]);
-            // Both of each first: a choice between loads would be a branch.
+            let (k, rest) = (deflection.interval[i], deflection.rest[i]);
+            // Load both alternatives first: choosing between loads would be a branch.
             let own = f64::from(of.own[i]);
             let (lean_here, lean_there) = (f64::from(of.own_lean[i]), f64::from(of.alias_lean[i]));
             let (below, above, alias) = (own, 1.0 - own, f64::from(of.alias[i]));
@@ -152,19 +154,19 @@ impl Columns {
             let width = if mine { below } else { above };
             v[i] = (rest - from) / width;
             lean[i] = if mine { lean_here } else { lean_there };
-            turns.interval[i] = if mine { k } else { alias };
+            deflection.interval[i] = if mine { k } else { alias };
         }
         for i in 0..LANES {
             let root = (lean[i] * lean[i] + (1.0 - 2.0 * lean[i]) * v[i]).max(0.0).sqrt();
             let place = v[i] / (lean[i] + root).max(f64::MIN_POSITIVE);
-            let t = turns.interval[i] * step;
-            turns.cos_theta[i] = 1.0 - 2.0 * (t * t + place * step * (2.0 * t + step));
-            turns.place[i] = place;
+            let t = deflection.interval[i] * step;
+            deflection.cos_theta[i] = 1.0 - 2.0 * (t * t + place * step * (2.0 * t + step));
+            deflection.place[i] = place;
         }
     }
 }
 
-/// Walker's columns (Vose 1991) of one table.
+/// Columns of Walker's alias method for one table, by Vose's algorithm (1991).
 fn columns(table: &PhaseTable) -> Vec<Column> {
     let density = table.density();
     let intervals = density.len() - 1;
@@ -199,7 +201,7 @@ fn columns(table: &PhaseTable) -> Vec<Column> {
     columns
 }
 
-/// The tables behind the phase functions and the number of their nodes, if all are tables on the same nodes.
+/// Number of nodes and tables of the phase functions, if all are tables on the same nodes.
 pub(super) fn common_tables<'a>(phases: &[&'a Phase]) -> Option<(usize, Vec<&'a PhaseTable>)> {
     let tables: Vec<&PhaseTable> = phases
         .iter()
@@ -217,7 +219,8 @@ pub(super) fn common_tables<'a>(phases: &[&'a Phase]) -> Option<(usize, Vec<&'a 
 mod tests {
     use super::*;
 
-    /// Stratified draws reproduce the distribution: mean cosine is g, and the share of each interval is its integral.
+    /// Stratified draws reproduce the distribution: the mean cosine is g, and the frequency of each interval is its
+    /// integral.
     #[test]
     fn draws_follow_the_table() {
         let table = PhaseTable::from_density(181, |c| 0.1 + (1.0 + c).powi(4)).unwrap();
@@ -227,15 +230,15 @@ mod tests {
         let n = 2_000_000;
         let mut mean = 0.0;
         let mut shares = vec![0.0; 180];
-        let mut turns = Turns::default();
+        let mut deflection = Turns::default();
         for i in 0..n / LANES {
             let u = std::array::from_fn(|lane| ((i * LANES + lane) as f64 + 0.5) / n as f64);
-            angles.fetch(&[1.0; LANES], &u, &mut turns);
-            angles.draw(&mut turns);
+            angles.fetch(&[1.0; LANES], &u, &mut deflection);
+            angles.draw(&mut deflection);
             for lane in 0..LANES {
-                mean += turns.cos_theta[lane] / n as f64;
-                shares[turns.interval[lane] as usize] += 1.0 / n as f64;
-                assert!((0.0..=1.0).contains(&turns.place[lane]));
+                mean += deflection.cos_theta[lane] / n as f64;
+                shares[deflection.interval[lane] as usize] += 1.0 / n as f64;
+                assert!((0.0..=1.0).contains(&deflection.place[lane]));
             }
         }
         assert!((mean - g).abs() < 1e-6, "{mean} {g}");

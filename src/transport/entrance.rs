@@ -6,27 +6,30 @@ use super::stream::LaneStream;
 use crate::geometry::Vec3;
 use crate::optics::fresnel;
 
-/// Paths on the way in, as many as lanes: refracted, and followed straight to the other side.
+/// A set of new paths, one for each lane, refracted into the body and followed straight to the far side: all that the
+/// expected value of crossing light needs.
 pub(super) struct Entrance {
     stream: LaneStream<LANES>,
-    /// Paths in all, and how many of them have come here.
+    /// Total number of paths, and number of paths drawn so far.
     paths: usize,
     begun: usize,
-    /// Paths that are ready, and how many of them have been fetched.
+    /// Number of paths in the present set, and number of these already started.
     ready: usize,
     fetched: usize,
     pub position: Lanes3,
     normal: Lanes3,
     omega_in: Lanes3,
     pub entries: [Entry; LANES],
-    /// Which of all paths it is.
+    /// Index of each path among all paths.
     pub number: [usize; LANES],
-    /// Inside.
+    /// Direction inside the body, after refraction.
     pub direction: Lanes3,
-    /// Even number for the first flight.
+    /// Uniform random number in [0, 1) for the first flight.
     pub for_flight: [f64; LANES],
+    /// Fresnel reflectance at the entry point.
     pub reflectance: [f64; LANES],
-    /// Straight through: distance (finite), what the surface there lets out, and where it leaves.
+    /// Straight path across the body: length, mm (finite), Fresnel transmittance at its end, and where and in which
+    /// direction it leaves.
     pub chord_mm: [f64; LANES],
     pub transmittance: [f64; LANES],
     pub far_position: Lanes3,
@@ -62,24 +65,24 @@ impl Entrance {
         }
     }
 
-    /// How many paths wait.
+    /// Number of paths not yet started.
     #[inline(always)]
     pub fn waiting(&self) -> usize {
         self.ready - self.fetched
     }
 
-    /// Place of the next path that waits.
+    /// Position in the set of the next path to start, if any.
     #[inline(always)]
     pub fn next(&mut self) -> Option<usize> {
         let place = self.fetched;
         (place < self.ready).then(|| {
             self.fetched += 1;
-            // Places are lanes; said for the compiler.
+            // `place` is always below LANES; the remainder lets the compiler drop bounds checks.
             place % LANES
         })
     }
 
-    /// As many paths as lanes, or those that are left.
+    /// Draws a new set of paths: as many as lanes, or as many as remain.
     #[inline(always)]
     pub fn fill<S: Shape>(&mut self, shape: &S, index: f64, entry: &mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry) {
         self.ready = LANES.min(self.paths - self.begun);

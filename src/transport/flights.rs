@@ -4,54 +4,55 @@ use super::lane_math::{LANES, ln, sin_cos_turns, unit};
 use super::stream::LaneStream;
 use crate::optics::fresnel::{self, Interface};
 
-/// In place of an infinite flight, so that no product with a coefficient of 0 arises.
+/// Length that replaces an infinite flight, mm: ∞ times a coefficient of 0 would be NaN.
 pub(super) const FAR_MM: f64 = 1e300;
 
-/// Components of a vector in every lane.
+/// Components x, y, z of a vector in every lane.
 pub(super) type Lanes3 = [[f64; LANES]; 3];
 
-/// A bit for each lane.
+/// One bit for each lane.
 pub(super) type Mask = u32;
 
-/// Where the paths under way are.
+/// Positions, directions and counters of the paths being traced.
 pub(super) struct Flights {
     /// Lanes that have a path.
     pub alive: Mask,
     pub stream: LaneStream<LANES>,
     pub position: Lanes3,
     pub direction: Lanes3,
-    /// Wavelength that flights and angles are drawn for, a whole number, and 1/μ_s of it.
+    /// Hero wavelength (its index, stored as a float) and its mean free path 1/μ_s, mm.
     pub hero: [f64; LANES],
     pub mean_free_path: [f64; LANES],
-    /// Even number that the first flight is drawn with; negative once it is over.
+    /// Uniform random number for the first flight, in [0, 1); negative once that flight is over.
     pub preset: [f64; LANES],
-    /// Of the path so far, mm.
+    /// Path length so far, mm.
     pub length: [f64; LANES],
-    /// 1 once a particle was met; a number, to be as wide as the others.
+    /// 1 once the path was scattered; an integer as wide as the other fields, for vector instructions.
     pub scattered: [u64; LANES],
-    /// Reflections since the last particle.
+    /// Internal reflections since the last scattering event.
     pub reflections: [u64; LANES],
 }
 
-/// What one step of every lane met.
+/// The event at the end of one step of every lane.
 #[derive(Default)]
 pub(super) struct Step {
-    /// 1 where a particle was met, 0 at the surface.
+    /// 1 for a scattering event, 0 at the surface.
     pub scatters: [u64; LANES],
-    /// Lanes that have a path and met a particle.
+    /// Lanes with a path that was scattered.
     pub scattering: Mask,
-    /// Finite, mm.
+    /// Length of the step, mm, finite.
     pub length: [f64; LANES],
     /// 1 where neither a particle nor a surface is ahead.
     pub lost: [u64; LANES],
-    /// Fraction that leaves: 0 at a particle, and on the first flight, whose share has left already.
+    /// Fraction that leaves: 0 at a scattering event, and on the first flight, whose transmitted part has already been
+    /// scored as an expected value.
     pub leaving: [f64; LANES],
-    /// Of the surface; of no meaning where a particle was met.
+    /// Outward unit normal of the surface; undefined at a scattering event.
     pub normal: Lanes3,
     pub cos_i: [f64; LANES],
     pub cos_t: [f64; LANES],
-    pub turns: Turns,
-    /// Even numbers for the azimuth of the turn, and roulette.
+    pub deflection: Turns,
+    /// Uniform random numbers for the azimuth of scattering and for Russian roulette.
     for_azimuth: [f64; LANES],
     pub for_roulette: [f64; LANES],
 }
@@ -72,7 +73,8 @@ impl Flights {
         }
     }
 
-    /// Every lane to its next particle or to the surface. The loops are apart because each then compiles to vectors.
+    /// Moves every lane to its next scattering event or to the surface. The loops are separate because each then
+    /// compiles to vector instructions.
     #[inline(always)]
     pub fn fly<S: Shape>(&mut self, shape: &S, inverse_index: f64, angles: &Angles<'_>, step: &mut Step) {
         let (mut flight, mut for_angle) = ([0.0; LANES], [0.0; LANES]);
@@ -86,7 +88,7 @@ impl Flights {
                 *number = unit(self.stream.next(i));
             }
         }
-        angles.fetch(&self.hero, &for_angle, &mut step.turns);
+        angles.fetch(&self.hero, &for_angle, &mut step.deflection);
         for (i, flight) in flight.iter_mut().enumerate() {
             let preset = self.preset[i];
             let random = if preset >= 0.0 { preset } else { *flight };
@@ -132,11 +134,11 @@ impl Flights {
             step.cos_t[i] = cos_t;
             self.preset[i] = -1.0;
         }
-        angles.draw(&mut step.turns);
+        angles.draw(&mut step.deflection);
         step.scattering = self.alive & lanes_where(|lane| step.scatters[lane] == 1);
     }
 
-    /// New directions: mirrored at the surface, turned by a particle.
+    /// New directions: reflected at the surface, or deflected by the scattering angle.
     #[inline(always)]
     pub fn turn(&mut self, step: &Step) {
         let (mut sin, mut cos) = ([0.0; LANES], [0.0; LANES]);
@@ -145,12 +147,12 @@ impl Flights {
         }
         for i in 0..LANES {
             let d = at(&self.direction, i);
-            let turned = scatter(d, step.turns.cos_theta[i], sin[i], cos[i]);
+            let scattered = scatter(d, step.deflection.cos_theta[i], sin[i], cos[i]);
             let twice = 2.0 * step.cos_i[i];
             let scatters = step.scatters[i] == 1;
             for axis in 0..3 {
                 let mirrored = d[axis] - step.normal[axis][i] * twice;
-                self.direction[axis][i] = if scatters { turned[axis] } else { mirrored };
+                self.direction[axis][i] = if scatters { scattered[axis] } else { mirrored };
             }
         }
     }
@@ -161,7 +163,7 @@ fn at(of: &Lanes3, lane: usize) -> [f64; 3] {
     [of[0][lane], of[1][lane], of[2][lane]]
 }
 
-/// The lanes of which something holds.
+/// Mask of the lanes for which `holds` is true.
 #[inline(always)]
 pub(super) fn lanes_where(holds: impl Fn(usize) -> bool) -> Mask {
     let mut mask = 0;
@@ -171,8 +173,8 @@ pub(super) fn lanes_where(holds: impl Fn(usize) -> bool) -> Mask {
     mask
 }
 
-/// Goes through the lanes of a mask. Loops over it stand where closures would not be compiled for the instruction set of
-/// their surroundings.
+/// Iterates over the lanes of a mask. Used in `for` loops because closures would not be compiled for the instruction
+/// set of the enclosing function.
 pub(super) struct LanesOf(pub Mask);
 
 impl Iterator for LanesOf {
@@ -183,14 +185,14 @@ impl Iterator for LanesOf {
         if self.0 == 0 {
             return None;
         }
-        // The mask has no bits above the lanes; said for the compiler.
+        // The mask has no bits above the lanes; the remainder lets the compiler drop bounds checks.
         let lane = self.0.trailing_zeros() as usize % LANES;
         self.0 &= self.0 - 1;
         Some(lane)
     }
 }
 
-/// Unit direction behind an interface. `normal` points back to the side `direction` comes from; `ratio` = n_i/n_t.
+/// Unit direction after refraction. `normal` points to the side `direction` comes from; `ratio` = n_i/n_t.
 #[inline(always)]
 pub(super) fn refract(direction: [f64; 3], normal: [f64; 3], cos_i: f64, cos_t: f64, ratio: f64) -> [f64; 3] {
     let along = ratio * cos_i - cos_t;
@@ -201,7 +203,7 @@ pub(super) fn refract(direction: [f64; 3], normal: [f64; 3], cos_i: f64, cos_t: 
     ])
 }
 
-/// Turns a direction by the angle of cosine `cos_theta` to the side at an azimuth.
+/// Deflects a direction by the polar angle of cosine `cos_theta`, at the azimuth of sine `sin` and cosine `cos`.
 #[inline(always)]
 fn scatter([dx, dy, dz]: [f64; 3], cos_theta: f64, sin: f64, cos: f64) -> [f64; 3] {
     let sin_theta = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
@@ -217,7 +219,7 @@ fn scatter([dx, dy, dz]: [f64; 3], cos_theta: f64, sin: f64, cos: f64) -> [f64; 
     ])
 }
 
-/// One Newton step keeps a length at 1 over any number of turns.
+/// One Newton step towards length 1, which keeps rounding errors from growing over any number of scattering events.
 #[inline(always)]
 fn rescaled([x, y, z]: [f64; 3]) -> [f64; 3] {
     let scale = 1.5 - 0.5 * (x * x + y * y + z * z);

@@ -3,17 +3,18 @@ use super::angles::{Angles, Turns, common_tables};
 use crate::optics::Phase;
 use std::f64::consts::PI;
 
-/// Wavelengths side by side.
+/// Wavelengths processed together in vector instructions.
 pub(super) const GROUP: usize = 16;
 
-/// A quantity at a group of wavelengths: of one path in single precision, summed over paths in double.
+/// A quantity at a group of wavelengths: single precision for one path, double precision for sums over paths.
 pub(super) type Single = [f32; GROUP];
 pub(super) type Double = [f64; GROUP];
 
-/// Turns, in a round, of the wavelength that scatters most and of the one that scatters least.
-const TURNS_OF_MOST: usize = 5;
-const TURNS_OF_LEAST: usize = 2;
-/// How far products of density ratios may grow or shrink before the weights are worked out, well within single precision.
+/// Paths per round for the wavelength with the largest μ_s and for that with the smallest; 1 for all others.
+const PATHS_OF_MOST: usize = 5;
+const PATHS_OF_LEAST: usize = 2;
+/// Factor by which products of density ratios may grow or shrink between evaluations of the weights, well within the
+/// range of single precision.
 const RANGE: f64 = 1e28;
 
 /// Scattering and absorption inside a body at one wavelength.
@@ -26,8 +27,8 @@ pub struct Coefficients<'a> {
     pub phase: &'a Phase,
 }
 
-/// Optical properties inside a body at all the wavelengths that share paths. They share them because they have one
-/// index of refraction, hence one direction behind the surface.
+/// Optical properties inside a body at all the wavelengths that share paths. Wavelengths can share paths only if their
+/// host index is the same, so that the surface refracts them into the same direction.
 #[derive(Clone, Debug)]
 pub struct Interior<'a> {
     index: f64,
@@ -35,12 +36,12 @@ pub struct Interior<'a> {
     /// 1/mm, padded with 0.
     mu_s: Vec<Single>,
     mu_a: Vec<Single>,
-    /// 1 for a wavelength, 0 for an empty place.
+    /// 1 for a wavelength, 0 for padding.
     taken: Vec<Single>,
-    /// How many turns each wavelength takes as the hero of paths, in a round, and whose turns they are.
-    turns: Vec<Single>,
+    /// Number of paths per round with each wavelength as hero, and the hero of each path of a round.
+    paths_per_round: Vec<Single>,
     heroes: Vec<usize>,
-    /// 1/μ_s of each wavelength, mm, and μ_a of the first, 1/mm.
+    /// 1/μ_s of each wavelength, mm; μ_a of the first wavelength, 1/mm.
     mean_free_path: Vec<f64>,
     first_mu_a: f64,
     angles: Angles<'a>,
@@ -51,17 +52,18 @@ pub struct Interior<'a> {
 /// μ_s p(θ) of every wavelength, up to a factor that is the same for all.
 #[derive(Clone, Debug)]
 enum Density<'a> {
-    /// At the nodes that all tables share, one after the other; all the groups at each.
+    /// Tables on common nodes: for each node in order, all groups of wavelengths.
     Rows(Vec<Single>),
-    /// From the phase functions themselves, times these factors.
+    /// Phase functions, each evaluated and multiplied by its factor.
     Functions(Vec<(&'a Phase, f64)>),
 }
 
 impl<'a> Interior<'a> {
-    /// `index` is that of the host relative to the outside.
+    /// `index` is the refractive index of the host relative to the outside; coefficients are in 1/mm.
     ///
     /// # Errors
-    /// No wavelength, an index that is not above 0, a coefficient that is negative or not finite.
+    /// [`TransportError::Domain`] if there is no wavelength, if the index is not finite and above 0, or if a
+    /// coefficient is negative or not finite.
     pub fn new(index: f64, wavelengths: &[Coefficients<'a>]) -> Result<Self, TransportError> {
         let domain = |quantity, expected, found, remedy| TransportError::Domain {
             quantity,
@@ -98,11 +100,11 @@ impl<'a> Interior<'a> {
             }
         }
         let phases: Vec<&Phase> = wavelengths.iter().map(|c| c.phase).collect();
-        let turns = turns(wavelengths);
-        let heroes = turns
+        let paths_per_round = paths_per_round(wavelengths);
+        let heroes = paths_per_round
             .iter()
             .enumerate()
-            .flat_map(|(hero, &turns)| std::iter::repeat_n(hero, turns));
+            .flat_map(|(hero, &paths_per_round)| std::iter::repeat_n(hero, paths_per_round));
         Ok(Self {
             index,
             wavelengths: wavelengths.len(),
@@ -110,7 +112,7 @@ impl<'a> Interior<'a> {
             mu_a: grouped(wavelengths.iter().map(|c| c.mu_a as f32)),
             taken: grouped(wavelengths.iter().map(|_| 1.0)),
             heroes: heroes.collect(),
-            turns: grouped(turns.iter().map(|&turns| turns as f32)),
+            paths_per_round: grouped(paths_per_round.iter().map(|&paths_per_round| paths_per_round as f32)),
             mean_free_path: wavelengths.iter().map(|c| 1.0 / c.mu_s).collect(),
             first_mu_a: wavelengths[0].mu_a,
             angles: Angles::new(&phases),
@@ -119,11 +121,12 @@ impl<'a> Interior<'a> {
         })
     }
 
-    /// How many wavelengths share a path.
+    /// Number of wavelengths that share a path.
     pub fn wavelengths(&self) -> usize {
         self.wavelengths
     }
 
+    /// Refractive index of the host relative to the outside.
     pub fn index(&self) -> f64 {
         self.index
     }
@@ -144,8 +147,8 @@ impl<'a> Interior<'a> {
         &self.taken
     }
 
-    pub(super) fn turns(&self) -> &[Single] {
-        &self.turns
+    pub(super) fn paths_per_round(&self) -> &[Single] {
+        &self.paths_per_round
     }
 
     pub(super) fn heroes(&self) -> &[usize] {
@@ -160,19 +163,20 @@ impl<'a> Interior<'a> {
         &self.angles
     }
 
-    /// After so many scatterings the weights must be worked out before their products leave the range of numbers.
+    /// Number of scattering events after which the weights must be evaluated, so that products of density ratios stay
+    /// within the range of single precision.
     pub(super) fn scatterings_at_most(&self) -> u64 {
         self.scatterings_at_most
     }
 
-    /// Multiplies each wavelength's `share` by its μ_s p(θ) over that of the hero.
+    /// Multiplies each wavelength's `share` by the ratio of its μ_s p(θ) to that of the hero.
     #[inline(always)]
-    pub(super) fn weigh(&self, hero: usize, turns: &Turns, lane: usize, share: &mut [Single]) {
+    pub(super) fn weigh(&self, hero: usize, deflection: &Turns, lane: usize, share: &mut [Single]) {
         match &self.density {
             Density::Rows(rows) => {
-                let first = turns.interval[lane] as usize * share.len();
+                let first = deflection.interval[lane] as usize * share.len();
                 let (low, high) = rows[first..first + 2 * share.len()].split_at(share.len());
-                let place = turns.place[lane] as f32;
+                let place = deflection.place[lane] as f32;
                 let (group, within) = (hero / GROUP, hero % GROUP);
                 let inverse = 1.0 / between(low[group][within], high[group][within], place);
                 for ((share, low), high) in share.iter_mut().zip(low).zip(high) {
@@ -180,7 +184,7 @@ impl<'a> Interior<'a> {
                 }
             }
             Density::Functions(functions) => {
-                let cos_theta = turns.cos_theta[lane];
+                let cos_theta = deflection.cos_theta[lane];
                 let (phase, factor) = functions[hero];
                 let inverse = 1.0 / (factor * phase.pdf(cos_theta));
                 let places = share.as_flattened_mut().iter_mut().zip(functions);
@@ -214,7 +218,7 @@ fn between(low: f32, high: f32, place: f32) -> f32 {
     low + place * (high - low)
 }
 
-/// Values in, values out, so that the compiler knows the rows to be apart and uses vectors.
+/// Takes and returns values, so that the compiler can rule out overlapping rows and use vector instructions.
 #[inline(always)]
 fn weighed(share: Single, low: Single, high: Single, place: f32, inverse: f32) -> Single {
     let mut result = share;
@@ -224,25 +228,26 @@ fn weighed(share: Single, low: Single, high: Single, place: f32, inverse: f32) -
     result
 }
 
-/// Every wavelength has a turn. Those that scatter most and least have more: all others are helped by the paths of neighbours
-/// on both sides, these of one side only.
-fn turns(wavelengths: &[Coefficients<'_>]) -> Vec<usize> {
-    let mut turns = vec![1; wavelengths.len()];
+/// Paths per round with each wavelength as hero. The wavelengths with the largest and smallest μ_s get more: others
+/// also gain from paths of heroes with μ_s on both sides of theirs, these two from one side only.
+fn paths_per_round(wavelengths: &[Coefficients<'_>]) -> Vec<usize> {
+    let mut paths_per_round = vec![1; wavelengths.len()];
     let by_mu_s = |a: &usize, b: &usize| wavelengths[*a].mu_s.total_cmp(&wavelengths[*b].mu_s);
     if wavelengths.len() > 2 {
         (0..wavelengths.len())
             .max_by(by_mu_s)
             .into_iter()
-            .for_each(|most| turns[most] = TURNS_OF_MOST);
+            .for_each(|most| paths_per_round[most] = PATHS_OF_MOST);
         (0..wavelengths.len())
             .min_by(by_mu_s)
             .into_iter()
-            .for_each(|least| turns[least] = TURNS_OF_LEAST);
+            .for_each(|least| paths_per_round[least] = PATHS_OF_LEAST);
     }
-    turns
+    paths_per_round
 }
 
-/// As many factors of the largest ratio between two wavelengths' μ_s p(θ) as stay within [`RANGE`].
+/// Largest number of scattering events whose density ratios, each at its largest over all angles, stay within
+/// [`RANGE`].
 fn scatterings_at_most(wavelengths: &[Coefficients<'_>]) -> u64 {
     const ANGLES: usize = 1000;
     let ratio = (0..=ANGLES)
@@ -261,7 +266,7 @@ fn scatterings_at_most(wavelengths: &[Coefficients<'_>]) -> u64 {
     (RANGE.ln() / ratio.ln()).max(1.0) as u64
 }
 
-/// Groups of values, the last filled up with 0.
+/// Groups of values, the last padded with 0.
 fn grouped<T: Copy + Default>(values: impl Iterator<Item = T>) -> Vec<[T; GROUP]> {
     let values: Vec<T> = values.collect();
     let group = |part: &[T]| std::array::from_fn(|i| part.get(i).copied().unwrap_or_default());

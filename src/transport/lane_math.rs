@@ -7,10 +7,11 @@
 
 use std::f64::consts::{LN_2, LOG2_E, SQRT_2, TAU};
 
-/// Paths that fly side by side.
+/// Number of paths traced together in vector instructions.
 pub(super) const LANES: usize = 16;
 
-/// 1.5 · 2⁵²: added and taken away again it rounds to the nearest whole number, which then stands in the low bits.
+/// 1.5 · 2⁵²: adding and subtracting it rounds to the nearest integer; after the addition the low bits hold that
+/// integer.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 /// ln 2 in two parts, the first with 21 trailing zero bits: k · LN_2_HIGH is exact for |k| < 2²¹.
 const LN_2_HIGH: f64 = f64::from_bits(LN_2.to_bits() & !0x1F_FFFF);
@@ -36,13 +37,13 @@ const LN: [f64; 7] = [
     0.1533149778859185,
     0.14619096121623418,
 ];
-/// The same for single precision: 1.5 · 2²³, ln 2 in two parts, the first of 12 bits, and (eʳ − 1 − r)/r².
+/// The same for single precision: 1.5 · 2²³, ln 2 in two parts (12 bits in the first), and (eʳ − 1 − r)/r².
 const ROUND_SINGLE: f32 = 12_582_912.0;
 const LN_2_HIGH_SINGLE: f32 = 0.693_359_4;
 const LN_2_LOW_SINGLE: f32 = -2.121_944_4e-4;
 const EXP_SINGLE: [f32; 5] = [0.5, 0.166_665_76, 0.041_666_556, 0.008_363_179, 0.001_392_618_4];
 const SINGLE_RANGE: f32 = 80.0;
-/// Below it exp is taken as 0; the smallest normal number is e^−708.4.
+/// exp returns 0 below this argument; the smallest normal number is e^−708.4.
 const LEAST_EXPONENT: f64 = -708.0;
 
 /// eˣ for x ≤ 0 (up to 700), relative error below 4e-16; 0 below −708.
@@ -69,7 +70,7 @@ pub(super) fn exp(x: f64) -> f64 {
     if x > LEAST_EXPONENT { scaled } else { 0.0 }
 }
 
-/// 2ᵏ and eʳ − 1 of eˣ = 2ᵏ eʳ, |r| ≤ ln 2 / 2, in single precision for |x| ≤ 80; beyond, of the limit.
+/// 2ᵏ and eʳ − 1 with eˣ = 2ᵏ eʳ, |r| ≤ ln 2 / 2, in single precision; x is clamped to |x| ≤ 80.
 #[inline(always)]
 fn exp_parts(x: f32) -> (f32, f32) {
     let x = x.clamp(-SINGLE_RANGE, SINGLE_RANGE);
@@ -123,7 +124,7 @@ pub(super) fn ln(x: f64) -> f64 {
     k.mul_add(LN_2_HIGH, k.mul_add(LN_2_LOW, (s * z).mul_add(p, 2.0 * s)))
 }
 
-/// (sin, cos) of u turns, 0 ≤ u ≤ 1, error below 3e-16.
+/// (sin 2πu, cos 2πu) for 0 ≤ u ≤ 1, error below 3e-16.
 #[inline(always)]
 pub(super) fn sin_cos_turns(u: f64) -> (f64, f64) {
     let shifted = 4.0 * u + ROUND;
@@ -154,7 +155,7 @@ pub(super) fn sin_cos_turns(u: f64) -> (f64, f64) {
     if opposite { (-s, -c) } else { (s, c) }
 }
 
-/// Even in [0, 1) with 52 bits.
+/// Uniform random number in [0, 1) with 52 bits.
 #[inline(always)]
 pub(super) fn unit(bits: u64) -> f64 {
     f64::from_bits((bits >> 12) | 0x3FF0_0000_0000_0000) - 1.0

@@ -4,8 +4,8 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
 
-/// The fractions of a ledger: an enum from which the ledger, its columns in tables and its arrays in files come.
-/// Declared with [`fractions!`].
+/// The fractions of a ledger: an enum that defines the ledger, its columns in tables and its arrays in files. Declared
+/// with [`fractions!`].
 pub trait FractionList: Copy + fmt::Debug + Eq + 'static {
     /// Every fraction, in the order of the arrays in files.
     const ALL: &'static [Self];
@@ -58,7 +58,7 @@ fractions! {
     pub enum Fraction {
         /// Reflected by the surface on the way in.
         Reflected = "reflected",
-        /// Left without meeting a particle.
+        /// Left without a scattering event.
         Ballistic = "ballistic",
         /// Left after one or more scattering events.
         Scattered = "scattered",
@@ -66,21 +66,21 @@ fractions! {
         Absorbed = "absorbed",
         /// Weight that Russian roulette removed less what it added; 0 in the mean.
         RouletteNet = "roulette",
-        /// Weight that the balance heuristic of shared paths removed less what it added while it weighed a path for
-        /// each wavelength, and what single precision rounded off; 0 in the mean, and 0 for paths of one wavelength.
+        /// Weight that the balance heuristic of shared paths removed less what it added, with the rounding errors of
+        /// single precision; 0 in the mean, and exactly 0 for paths of one wavelength.
         MisNet = "mis_net",
     }
 }
 
-/// Where light went: the amount of each of the N fractions of a list, as sums over paths or as fractions of the
-/// incident flux.
+/// Energy ledger: the amount of each of the N fractions of a list, as sums over paths or as fractions of the incident
+/// flux.
 #[derive(Clone, Copy, PartialEq)]
 pub struct LedgerOf<F, const N: usize> {
     amounts: [f64; N],
     list: PhantomData<F>,
 }
 
-/// Where the light of one incident direction and wavelength went, in a yarn.
+/// Energy ledger of a yarn for one incident direction and wavelength.
 pub type Ledger = LedgerOf<Fraction, { Fraction::COUNT }>;
 
 impl<F: FractionList, const N: usize> LedgerOf<F, N> {
@@ -101,7 +101,7 @@ impl<F: FractionList, const N: usize> LedgerOf<F, N> {
         self.amounts
     }
 
-    /// 1 − everything accounted for; 0 to rounding for a closed ledger.
+    /// 1 − sum of all fractions; 0 to rounding for a closed ledger.
     pub fn residual(&self) -> f64 {
         1.0 - self.amounts.iter().sum::<f64>()
     }
@@ -173,8 +173,8 @@ impl<F: FractionList, const N: usize> fmt::Debug for LedgerOf<F, N> {
 /// A column of a table of yarn ledgers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
-    /// One of the fractions; but the column of [`Fraction::RouletteNet`] holds [`Ledger::sampling_net`], of which
-    /// [`Fraction::MisNet`] is a part with a column of its own.
+    /// One of the fractions. Exception: the column of [`Fraction::RouletteNet`] holds [`Ledger::sampling_net`], which
+    /// includes [`Fraction::MisNet`]; the latter also has a column of its own.
     Fraction(Fraction),
     /// See [`LedgerOf::residual`].
     Residual,
@@ -183,8 +183,8 @@ pub enum Column {
 impl Column {
     pub const COUNT: usize = Fraction::COUNT + 1;
 
-    /// Every column in the order of `energy.csv`: the residual follows the net of all sampling, and fractions that were
-    /// added to the list later come last.
+    /// Every column in the order of `energy.csv`: the residual follows the net effect of all sampling, and fractions
+    /// that were added to the list later come last.
     pub const ALL: [Self; Self::COUNT] = {
         let mut all = [Self::Residual; Self::COUNT];
         let mut k = 0;
@@ -212,7 +212,7 @@ impl Column {
         }
     }
 
-    /// Its value for one ledger.
+    /// Value of the column for one ledger.
     pub fn of(self, ledger: &Ledger) -> f64 {
         match self {
             Self::Fraction(Fraction::RouletteNet) => ledger.sampling_net(),
@@ -221,7 +221,8 @@ impl Column {
         }
     }
 
-    /// Of the mean of equally weighted batches, with its standard error, in the order of [`Self::ALL`].
+    /// Values of all columns for the mean of equally weighted batches, with standard errors, in the order of
+    /// [`Self::ALL`].
     pub fn estimates(batches: &[Ledger]) -> [Estimate; Self::COUNT] {
         let [mean, _] = Ledger::mean_and_se(batches);
         Self::ALL.map(|column| Estimate {

@@ -26,7 +26,7 @@ pub use statistics::{BatchSums, Estimate};
 pub use stream::{Purpose, Stream};
 pub use walk::{Traced, Walk};
 
-/// What is wrong with an input of the transport.
+/// Invalid input to the transport.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TransportError {
     #[error("{quantity}: expected {expected}, found {found}; {remedy}")]

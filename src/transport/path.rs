@@ -1,10 +1,10 @@
 use crate::geometry::Vec3;
 
-/// Uniform random numbers in [0, 1) from which an entry point and direction are drawn. The first is stratified over the paths of a
-/// batch.
+/// Number of uniform random numbers in [0, 1) from which an entry point and direction are drawn. The first is
+/// stratified over the paths of a batch.
 pub const ENTRY_COORDINATES: usize = 4;
 
-/// Where and whence light meets the body.
+/// Entry point of a path on the body, and the direction it comes from.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
     pub position: Vec3,
@@ -14,10 +14,10 @@ pub struct Entry {
     pub omega_in: Vec3,
 }
 
-/// A part of a path's light that leaves the body.
+/// Part of a path's flux that leaves the body.
 #[derive(Clone, Copy, Debug)]
 pub struct Exit<'w> {
-    /// Where and whence the path met the body.
+    /// Position where the path entered the body, and unit vector towards the light there.
     pub entry: Vec3,
     pub omega_in: Vec3,
     pub position: Vec3,
@@ -27,7 +27,7 @@ pub struct Exit<'w> {
     pub direction: Vec3,
     /// Fraction of the path's incident flux at each wavelength of the interior.
     pub weights: &'w [f64],
-    /// Whether it met a particle; if not it is ballistic, and its direction a delta.
+    /// Whether the light was scattered; if not it is ballistic, and its direction is a delta.
     pub scattered: bool,
     /// Length of the path inside, mm.
     pub length_mm: f64,

@@ -4,21 +4,22 @@ use super::lane_math::{LANES, exp};
 use super::weights::{EVENTS_AT_MOST, Weights};
 use super::{Fraction, Interior, Ledger, Roulette};
 
-/// Paths of one wavelength, side by side: the plain walk, whose weights close the ledger to rounding.
+/// Weights of paths of one wavelength, vectorised over lanes. The ledger closes to rounding.
 pub(super) struct Plain<'a> {
     incident: Option<&'a [f32]>,
     mu_s: f64,
     mu_a: f64,
     crossing: f64,
-    /// Of the paths at the entrance: what crosses unscattered, the probability of anything else, and what is then carried.
+    /// For the paths at the entrance: flux that crosses unscattered, probability P of not crossing, and flux that
+    /// enters.
     waiting_crossing: [f64; LANES],
     waiting_reach: [f64; LANES],
     waiting_entering: [f64; LANES],
-    /// Fraction of its incident flux that each path carries, what it entered with, and events since its last turn at roulette.
+    /// Present flux of each path, its flux at entry, and events since roulette was last applied to it.
     carried: [f64; LANES],
     entered: [f64; LANES],
     events: [u64; LANES],
-    /// Sums by lane.
+    /// Ledger sums of each lane.
     reflected: [f64; LANES],
     ballistic: [f64; LANES],
     scattered: [f64; LANES],
@@ -62,7 +63,7 @@ impl<'a> Weights<'a> for Plain<'a> {
             let unscattered = exp(-self.mu_s * chord_mm);
             let straight = entering * transmittance * unscattered;
             let crossing = straight * exp(-self.mu_a * chord_mm);
-            // 1 − T exp(−μ_s c) in a form that does not cancel.
+            // 1 − T exp(−μ_s c) in a form without cancellation.
             let reach = (1.0 - transmittance) + transmittance * (1.0 - unscattered);
             self.waiting_crossing[i] = crossing;
             self.waiting_reach[i] = reach;
@@ -99,12 +100,13 @@ impl<'a> Weights<'a> for Plain<'a> {
         for (i, leaving) in leaving.iter_mut().enumerate() {
             let before = self.carried[i];
             let after = before * exp(-self.mu_a * step.length[i]);
-            // Neither a particle nor a surface ahead: what is left is absorbed on the way to infinity.
+            // Neither a particle nor a surface ahead: the remaining flux is absorbed on the way to infinity.
             let after = if step.lost[i] == 1 { 0.0 } else { after };
             let out = after * step.leaving[i];
             let kept = after - out;
             let ballistic = if flights.scattered[i] == 1 { 0.0 } else { out };
-            // Where nothing leaves, roulette would only thin out the long paths, which another absorption may need.
+            // Roulette applies only after an exit: elsewhere it would remove long paths that a re-weighting to another
+            // absorption needs.
             self.events[i] += 1;
             let due = (out > 0.0) | (self.events[i] >= EVENTS_AT_MOST);
             self.events[i] = if due { 0 } else { self.events[i] };

@@ -1,13 +1,13 @@
 use super::TransportError;
 use crate::fault::{self, Fault};
 
-/// Reflections in a row, with no particle between them, after which roulette is played whatever the weight. Light that
-/// entered at a grazing angle, or that total reflection traps in a body that hardly scatters, loses next to nothing in
-/// each and would go round without end.
+/// Number of consecutive internal reflections after which Russian roulette applies whatever the weight. Light that
+/// entered at grazing incidence, or is trapped by total internal reflection in a body that hardly scatters, loses
+/// almost nothing at each reflection and would never end otherwise.
 pub(super) const REFLECTIONS_IN_A_ROW: u64 = 10_000;
 
-/// Unbiased end of a path: below `threshold` of the weight it entered with, at every wavelength, a path survives with
-/// probability `survival` and is then worth 1/`survival` times as much.
+/// Russian roulette: once a path's weight is below `threshold` times its entry weight at every wavelength, it survives
+/// with probability `survival` and its weight is divided by `survival`, so the estimate stays unbiased.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roulette {
     threshold: f64,
@@ -15,6 +15,10 @@ pub struct Roulette {
 }
 
 impl Roulette {
+    /// `threshold` is a fraction of the entry weight, `survival` a probability.
+    ///
+    /// # Errors
+    /// [`TransportError::Domain`] if either is not between 0 and 1, exclusive.
     pub fn new(threshold: f64, survival: f64) -> Result<Self, TransportError> {
         for (quantity, found, top) in [
             ("roulette threshold", threshold, 1.0),
@@ -32,14 +36,15 @@ impl Roulette {
         Ok(Self { threshold, survival })
     }
 
-    /// Factor of a path's weights after Russian roulette: 0, 1 or 1/`survival`, so that the estimate stays unbiased. `largest` is
-    /// the largest of its weights, `entered` of those it came in with, and `u` a uniform random number in [0, 1).
+    /// Factor of a path's weights after Russian roulette: 0, 1 or 1/`survival`. `largest` is the largest of its
+    /// weights, `entered` the largest of its entry weights, `reflections` the number of consecutive internal
+    /// reflections, and `u` a uniform random number in [0, 1).
     #[inline(always)]
     pub(super) fn worth(&self, largest: f64, entered: f64, reflections: u64, u: f64) -> f64 {
-        let plays = (largest < self.threshold * entered) | (reflections >= REFLECTIONS_IN_A_ROW);
+        let applies = (largest < self.threshold * entered) | (reflections >= REFLECTIONS_IN_A_ROW);
         let survivor = if fault::active(Fault::RouletteBias) { 1.01 } else { 1.0 } / self.survival;
         let worth = if u < self.survival { survivor } else { 0.0 };
-        if plays { worth } else { 1.0 }
+        if applies { worth } else { 1.0 }
     }
 }
 

@@ -1,18 +1,18 @@
 use super::TransportError;
 use crate::geometry::{Frame, Vec3};
 
-/// A body the walk can run in. Points and directions are (x, y, z) components; both functions run over many paths side
-/// by side, so the shapes here have no branch in them.
+/// A body in which paths can be traced. Points, mm, and directions are (x, y, z) components. Both functions run in
+/// loops over lanes; shapes in this file avoid branches so that these loops compile to vector instructions.
 pub trait Shape: Sync {
-    /// Whether both functions are cheaper to work out in every lane than to leave out where they are not needed.
+    /// Whether evaluating both functions in every lane is cheaper than skipping lanes that do not need them.
     const SIDE_BY_SIDE: bool = true;
 
     /// Distance to the surface ahead of a point inside (or on the surface, looking in) along a unit direction, mm;
     /// infinite if the ray never leaves. May be any value above `limit_mm` where the surface is not nearer than that.
     fn distance(&self, position: [f64; 3], direction: [f64; 3], limit_mm: f64) -> f64;
 
-    /// Position on the surface, and outward unit normal there, of a point that [`Shape::distance`] along `direction` led to
-    /// within rounding.
+    /// Position on the surface, and outward unit normal there, for a point that [`Shape::distance`] along `direction`
+    /// placed on it to rounding.
     fn surface(&self, position: [f64; 3], direction: [f64; 3]) -> [[f64; 3]; 2];
 }
 
@@ -65,10 +65,10 @@ impl Shape for Cylinder {
         let b = px * dx + pz * dz;
         let c = px * px + pz * pz - self.radius_mm * self.radius_mm;
         let root = (b * b - a * c).max(0.0).sqrt();
-        // The farther root, in the form that does not cancel.
+        // The farther root, in a form without cancellation.
         let numerator = if b > 0.0 { (-c).max(0.0) } else { root - b };
         let denominator = if b > 0.0 { b + root } else { a };
-        // A ray along the axis to rounding never leaves.
+        // A ray parallel to the axis, to rounding, never leaves.
         if a > 1e-30 {
             numerator / denominator
         } else {
@@ -80,7 +80,7 @@ impl Shape for Cylinder {
     fn surface(&self, [x, y, z]: [f64; 3], _: [f64; 3]) -> [[f64; 3]; 2] {
         let inverse = 1.0 / self.radius_mm;
         let normal = [x * inverse, 0.0, z * inverse];
-        // One Newton step brings a length of 1 to rounding exactly back to it.
+        // One Newton step renormalises a vector whose length is 1 to rounding.
         let scale = 1.5 - 0.5 * (normal[0] * normal[0] + normal[2] * normal[2]);
         let normal = [normal[0] * scale, 0.0, normal[2] * scale];
         [[normal[0] * self.radius_mm, y, normal[2] * self.radius_mm], normal]
@@ -94,7 +94,7 @@ pub struct Slab {
 }
 
 impl Slab {
-    /// The thickness may be infinite: a half space.
+    /// Thickness in mm; infinite for a half space.
     pub fn new(thickness_mm: f64) -> Result<Self, TransportError> {
         if thickness_mm > 0.0 {
             Ok(Self { thickness_mm })

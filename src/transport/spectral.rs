@@ -7,26 +7,25 @@ use super::weights::{EVENTS_AT_MOST, Weights};
 use super::{Fraction, Interior, Ledger, Roulette};
 use std::ops::{Add, Mul};
 
-/// Paths that all wavelengths share, one after the other with the wavelengths side by side.
+/// Weights of paths shared by all wavelengths. Lanes are processed one after the other; vectors run over wavelengths.
 ///
-/// What one path carries is reckoned in single precision, to parts in 10⁶, which is twice the wavelengths in a vector;
-/// sums over paths are in double precision.
+/// Weights of one path are in single precision (relative error about 10⁻⁶), which doubles the number of wavelengths in
+/// a vector. Sums over paths are in double precision.
 pub(super) struct Spectral<'a> {
     incident: Option<&'a [f32]>,
     wavelengths: usize,
     groups: usize,
-    /// In a round of heroes.
-    turns: f32,
-    /// Balance heuristic of each lane as last worked out, times the ratios of densities to the hero's since.
+    /// Number of paths in a round over all heroes.
+    paths_per_round: f32,
+    /// Balance-heuristic weight of each lane at its last evaluation, times the density ratios to the hero since then.
     share: Vec<Single>,
-    /// Turns over P of each lane's wavelengths as heroes, P being the probability to do anything but cross on the first
-    /// flight.
+    /// c_h/P_h of each lane: paths per round of each hero over the probability that its first flight does not cross.
     heroes: Vec<Single>,
-    /// What each lane's path came with, times exp(−μ_a L) as last worked out.
+    /// Incident flux of each lane's path times exp(−μ_a L), at the last evaluation.
     survived: Vec<Single>,
-    /// What each lane carried when last worked out, before anything left.
+    /// Flux of each lane at the last evaluation, before any of it left.
     carried: Vec<Single>,
-    /// What leaves of the path in hand.
+    /// Flux that leaves the body in the exit being scored.
     weights: Vec<Double>,
     reflected: Vec<Double>,
     ballistic: Vec<Double>,
@@ -34,12 +33,12 @@ pub(super) struct Spectral<'a> {
     absorbed: Vec<Double>,
     roulette: Vec<Double>,
     sharing: Vec<Double>,
-    /// What Fresnel and roulette have left, the same at every wavelength.
+    /// Product of Fresnel reflectances and roulette factors, the same at every wavelength.
     common: [f64; LANES],
-    /// What Fresnel and roulette made of `carried` since.
+    /// Fresnel and roulette factor applied to `carried` since the last evaluation.
     left: [f64; LANES],
     entered: [f64; LANES],
-    /// Since the weights were last worked out: length, mm, and scatterings.
+    /// Path length, mm, and scattering events since the last evaluation.
     since: [f64; LANES],
     scatterings: [u64; LANES],
 }
@@ -52,7 +51,7 @@ impl<'a> Weights<'a> for Spectral<'a> {
             incident,
             wavelengths: interior.wavelengths(),
             groups,
-            turns: interior.heroes().len() as f32,
+            paths_per_round: interior.heroes().len() as f32,
             share: vec![[0.0; GROUP]; groups * LANES],
             heroes: vec![[0.0; GROUP]; groups * LANES],
             survived: vec![[0.0; GROUP]; groups * LANES],
@@ -106,18 +105,19 @@ impl<'a> Weights<'a> for Spectral<'a> {
             self.ballistic[group] = plus(self.ballistic[group], weights);
             self.absorbed[group] = plus(self.absorbed[group], absorbed);
             self.sharing[group] = minus(self.sharing[group], double(straight));
-            *as_hero = turns_over_reach(met, interior.turns()[group], transmittance);
+            *as_hero = paths_over_reach(met, interior.paths_per_round()[group], transmittance);
             total = plus(total, *as_hero);
         }
-        // Where every hero does nothing but cross, nothing is left to carry.
+        // If every hero certainly crosses, no flux remains inside.
         let reach = sum(total);
-        let even = if reach > 0.0 { self.turns / reach } else { 0.0 };
+        let normalisation = if reach > 0.0 { self.paths_per_round / reach } else { 0.0 };
         let carried = self.carried[row.clone()].iter_mut().zip(interior.taken());
         let carried = carried.zip(&*coming);
         for ((share, ((carried, taken), coming)), sharing) in share.iter_mut().zip(carried).zip(&mut self.sharing) {
-            *share = scaled(*taken, even);
+            *share = scaled(*taken, normalisation);
             *carried = product(scaled(*share, entering as f32), *coming);
-            // The paths' common start is the mean over heroes of what does not cross, and each wavelength has its own.
+            // A path starts with the balance-heuristic weight at each wavelength; the difference to what entered is
+            // the net effect of sharing, zero in the mean.
             *sharing = plus(*sharing, minus(scaled(double(*coming), entering), double(*carried)));
         }
         self.common[lane] = entering;
@@ -125,12 +125,12 @@ impl<'a> Weights<'a> for Spectral<'a> {
         self.entered[lane] = entering * f64::from(top(largest));
         self.since[lane] = 0.0;
         self.scatterings[lane] = 0;
-        let turns = f64::from(interior.turns().as_flattened()[hero]);
+        let paths_per_round = f64::from(interior.paths_per_round().as_flattened()[hero]);
         let over_reach = f64::from(heroes.as_flattened()[hero]);
         if over_reach > 0.0 {
-            (turns / over_reach).min(1.0)
+            (paths_per_round / over_reach).min(1.0)
         } else {
-            // This hero does nothing but cross: the others make up for what the path would have carried.
+            // This hero certainly crosses, so no path continues; paths of the other heroes carry its share.
             count(
                 &mut self.sharing,
                 &self.carried[lane * self.groups..(lane + 1) * self.groups],
@@ -156,7 +156,7 @@ impl<'a> Weights<'a> for Spectral<'a> {
     ) -> Mask {
         for lane in LanesOf(step.scattering) {
             let share = &mut self.share[lane * self.groups..(lane + 1) * self.groups];
-            interior.weigh(flights.hero[lane] as usize, &step.turns, lane, share);
+            interior.weigh(flights.hero[lane] as usize, &step.deflection, lane, share);
         }
         let at_most = interior.scatterings_at_most().min(EVENTS_AT_MOST);
         for i in 0..LANES {
@@ -188,7 +188,7 @@ impl<'a> Weights<'a> for Spectral<'a> {
             }
             let kept = 1.0 - out;
             if step.lost[lane] == 1 {
-                // Neither a particle nor a surface ahead: what is left is absorbed on the way to infinity.
+                // Neither a particle nor a surface ahead: the remaining flux is absorbed on the way to infinity.
                 count(&mut self.absorbed, carried, 1.0);
                 alive &= !(1 << lane);
                 continue;
@@ -221,8 +221,8 @@ impl<'a> Weights<'a> for Spectral<'a> {
 }
 
 impl Spectral<'_> {
-    /// Works out what the path carries at each wavelength, counts what was absorbed since the last time and what the balance
-    /// gave or took, and returns the largest weight.
+    /// Evaluates the path's flux at each wavelength, scores absorption and the net effect of the balance heuristic
+    /// since the last evaluation, and returns the largest flux.
     #[inline(always)]
     fn evaluate(&mut self, interior: &Interior<'_>, hero: usize, lane: usize) -> f64 {
         let row = lane * self.groups..(lane + 1) * self.groups;
@@ -239,7 +239,7 @@ impl Spectral<'_> {
             *share = now;
             total = plus(total, product(now, *as_hero));
         }
-        let balance = self.turns / sum(total);
+        let balance = self.paths_per_round / sum(total);
         let common = self.common[lane] as f32;
         let left = self.left[lane];
         let mut largest = [0.0; GROUP];
@@ -255,7 +255,7 @@ impl Spectral<'_> {
             let carried = product(before, kept);
             let absorbed = double(product(before, lost));
             let accounted = plus(absorbed, double(carried));
-            // What single precision rounds off goes with what the balance changed.
+            // Rounding errors of single precision are booked with the balance heuristic, so that the ledger closes.
             let changed = minus(scaled(double(*last), left), accounted);
             self.sharing[group] = plus(self.sharing[group], changed);
             *last = carried;
@@ -266,10 +266,10 @@ impl Spectral<'_> {
     }
 }
 
-// The functions on groups take and give values: everything is then read before anything is written, without which the
-// compiler would not know that the rows are apart and could not use vectors.
+// The functions on groups take and return values, so that all reads precede all writes. With references the compiler
+// could not rule out overlapping rows and would not use vector instructions.
 
-/// A length, finite.
+/// A length in single precision, clamped to a finite value.
 #[inline(always)]
 fn single(length_mm: f64) -> f32 {
     length_mm.min(f64::from(f32::MAX)) as f32
@@ -294,7 +294,8 @@ fn remainder(lost: Single) -> Single {
     result
 }
 
-/// exp((μ_hero − μ) x): what flying on without meeting a particle makes of the ratio of densities.
+/// exp((μ_hero − μ) x): factor of the density ratio to the hero for a flight of length x, mm, apart from the μ_s
+/// at its end.
 #[inline(always)]
 fn density_ratio(mu_s: Single, hero_mu_s: f32, x: f32) -> Single {
     let mut result = [0.0; GROUP];
@@ -304,18 +305,20 @@ fn density_ratio(mu_s: Single, hero_mu_s: f32, x: f32) -> Single {
     result
 }
 
-/// Turns over P, P = 1 − T exp(−μ_s c) = (1 − T) + T (1 − exp(−μ_s c)), which does not cancel; 0 where P is.
+/// Paths per round over P, with P = 1 − T exp(−μ_s c) = (1 − T) + T (1 − exp(−μ_s c)), a form without cancellation; 0
+/// where P is 0.
 #[inline(always)]
-fn turns_over_reach(met: Single, turns: Single, transmittance: f32) -> Single {
+fn paths_over_reach(met: Single, paths_per_round: Single, transmittance: f32) -> Single {
     let mut result = [0.0; GROUP];
     for i in 0..GROUP {
         let reach = (1.0 - transmittance) + transmittance * met[i];
-        result[i] = if reach > 0.0 { turns[i] / reach } else { 0.0 };
+        result[i] = if reach > 0.0 { paths_per_round[i] / reach } else { 0.0 };
     }
     result
 }
 
-/// Balance heuristics from shares; a wavelength out of the race stays out, before its share becomes a slow denormal number.
+/// Balance-heuristic weights from density ratios. Weights below 1e-30 become 0 for good, before they turn into slow
+/// denormal numbers.
 #[inline(always)]
 fn balanced(share: Single, balance: f32) -> Single {
     let mut result = [0.0; GROUP];
@@ -404,7 +407,7 @@ fn top(values: Single) -> f32 {
     best[0]
 }
 
-/// Sum in a fixed order that suits vectors.
+/// Pairwise sum in a fixed order, which compiles to vector instructions.
 #[inline(always)]
 fn sum(values: Single) -> f32 {
     let mut part = values;

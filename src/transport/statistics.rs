@@ -1,6 +1,6 @@
 use crate::fault::{self, Fault};
 
-/// A mean and its standard error.
+/// A mean and its standard error, in the same unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Estimate {
     pub value: f64,
@@ -24,7 +24,7 @@ impl Estimate {
         }
     }
 
-    /// The same from Σ x and Σ x² over this number of batches.
+    /// The same as [`Self::from_batches`], from Σ x and Σ x² over a number of batches.
     pub fn from_sums(batches: u64, sum: f64, square: f64) -> Self {
         let n = batches as f64;
         let value = sum / n + 0.0;
@@ -40,13 +40,13 @@ impl Estimate {
     }
 }
 
-/// Factor on standard errors: 1 unless the fault of halved errors is injected.
+/// Factor on standard errors: 1 unless the fault [`Fault::ErrorsHalved`] is injected.
 fn errors() -> f64 {
     if fault::active(Fault::ErrorsHalved) { 0.5 } else { 1.0 }
 }
 
-/// Σ x and Σ x² over batches for each of many values; memory does not grow with the number of batches. Batches are
-/// added in their order, so that the same batches give the same bits.
+/// Σ x and Σ x² over batches for each of many values; memory does not grow with the number of batches. Add batches in
+/// their order, so that the same batches give the same bits.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BatchSums {
     pub batches: u64,
@@ -63,7 +63,7 @@ impl BatchSums {
         }
     }
 
-    /// Adds one batch, one number for each value.
+    /// Adds one batch, which holds one number for each value.
     pub fn add<T: Copy + Into<f64>>(&mut self, batch: &[T]) {
         self.batches += 1;
         for ((sum, square), x) in self.sum.iter_mut().zip(&mut self.square).zip(batch) {

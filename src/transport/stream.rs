@@ -1,7 +1,7 @@
 use rand::SeedableRng;
 use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus, rand_core::Rng};
 
-/// What random numbers are drawn for; part of the stream's key, so that no two uses share numbers.
+/// Purpose of random numbers; part of the stream's key, so that no two purposes share numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     Bssrdf = 1,
@@ -18,13 +18,13 @@ pub enum Purpose {
     Straight = 12,
 }
 
-/// The one source of random numbers: each (seed, purpose, direction, batch, wavelength) has a stream of its own,
-/// whatever thread draws from it and in whatever order.
+/// The only source of random numbers. Each (seed, purpose, direction, batch, wavelength) has its own stream,
+/// independent of threads and of the order of work.
 pub struct Stream;
 
 impl Stream {
-    /// The key is folded into SplitMix64, whose outputs seed xoshiro256++ (Blackman & Vigna 2019 recommend just that).
-    /// Two of N streams start within 2⁶⁴ numbers of each other with a probability below N² 2⁻¹⁹¹.
+    /// The key is folded into SplitMix64, whose outputs seed xoshiro256++, as Blackman & Vigna (2019) recommend. The
+    /// probability that two of N streams start within 2⁶⁴ numbers of each other is below N² 2⁻¹⁹¹.
     pub fn open(seed: u64, purpose: Purpose, direction: usize, batch: usize, wavelength: usize) -> Xoshiro256PlusPlus {
         let mut key = seed;
         for part in [purpose as u64, direction as u64, batch as u64, wavelength as u64] {
@@ -85,14 +85,14 @@ mod tests {
         assert_eq!(first.len(), count);
     }
 
-    /// Golden value: a change of the scheme changes every result and must be deliberate.
+    /// Golden value: a change of the scheme changes every result, so it must be deliberate.
     #[test]
     fn golden_stream() {
         let mut stream = Stream::open(1, Purpose::Direct, 2, 3, 4);
         assert_eq!(stream.next_u64(), 3872697235653849325);
     }
 
-    /// A lane is the generator of the kept crate, seeded with the lane's words.
+    /// Each lane equals the generator of the `rand_xoshiro` crate, seeded with the lane's state.
     #[test]
     fn lanes_are_xoshiro256plusplus() {
         let mut lanes = LaneStream::<4>::open(&mut Stream::open(7, Purpose::Validation, 0, 0, 0));

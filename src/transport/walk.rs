@@ -11,32 +11,34 @@ use super::{Interior, Ledger, Shape};
 use crate::geometry::Vec3;
 use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::Rng};
 
-/// Paths of one turn of a hero, whose phase table then stays in the nearest cache: at most this many, and few enough for so
-/// many rounds in a batch.
-const PATHS_OF_A_TURN: usize = 16;
+/// Consecutive paths drawn for the same hero, so that its phase table stays in the first-level cache: at most
+/// `RUN_LENGTH_AT_MOST`, and few enough that a batch has at least `ROUNDS` rounds over all heroes.
+const RUN_LENGTH_AT_MOST: usize = 16;
 const ROUNDS: usize = 8;
-/// New paths begin once so many lanes are idle: a lane written to on its own holds up the vectors that follow.
+/// New paths start once this many lanes are idle: a write to a single lane stalls the vector loads that follow it.
 const IDLE: u32 = 2;
 
-/// What a trace of paths leaves behind.
+/// Totals of a trace. Exits are passed to the sink one by one and are not stored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Traced {
-    /// Sum of the paths' ledgers at each wavelength of the interior.
+    /// Sum of the paths' ledgers at each wavelength of the interior, in units of the incident flux of one path.
     pub ledgers: Vec<Ledger>,
-    /// Particles met by all paths together.
+    /// Scattering events of all paths together.
     pub scatterings: u64,
 }
 
 /// The transport kernel: paths through one body, each for all the wavelengths of its interior.
 ///
-/// A path is drawn for one of them, its hero: flights from the hero's scattering coefficient, angles from its phase
-/// function. What it is worth at wavelength λ is the balance heuristic over all heroes (Veach & Guibas 1995; Wilkie et al.
-/// 2014): n ρ_λ / Σ_h c_h ρ_h/P_h, with c_h turns of each hero in a round of n and ρ_λ the product of μ_s e^(−μ_s s) p(θ)
-/// along the path, times exp(−μ_a L). With one wavelength this is the plain walk. The light that crosses the body on its
-/// first flight leaves as an expected value and the path is drawn under the condition, of probability P_h, that it does
-/// something else; at every later inner hit
-/// the transmitted part leaves as an expected value and the rest flies on, total internal reflection included.
-/// Nothing ends a path but an empty weight and roulette.
+/// A path is drawn for its hero wavelength: free flights from the hero's scattering coefficient, scattering angles from
+/// its phase function. Its weight at wavelength λ is the balance heuristic over all heroes (Veach & Guibas 1995; Wilkie
+/// et al. 2014), n ρ_λ / Σ_h c_h ρ_h/P_h, times exp(−μ_a L). Here c_h is the number of paths of hero h in a round of n
+/// paths, and ρ_λ the product of μ_s e^(−μ_s s) p(θ) along the path. With one wavelength this is an ordinary random
+/// walk.
+///
+/// The light that crosses the body on its first flight is scored as an expected value; the path itself is drawn
+/// conditionally on not crossing, an event of probability P_h. At every later hit of the surface from inside, the
+/// transmitted part is scored as an expected value and the reflected part continues (all of it under total internal
+/// reflection). A path ends only when its weight is 0 or Russian roulette ends it.
 #[derive(Clone, Copy, Debug)]
 pub struct Walk<'a, S> {
     pub shape: &'a S,
@@ -45,8 +47,9 @@ pub struct Walk<'a, S> {
 }
 
 impl<S: Shape> Walk<'_, S> {
-    /// Traces `paths` paths of light that `entry` lets in (from numbers even in [0, 1), the first of them stratified
-    /// over the paths), hands every exit to `sink`. The ledger closes to rounding.
+    /// Traces `paths` paths, each with an incident flux of 1 at every wavelength, and passes every exit to `sink`.
+    /// `entry` maps uniform random numbers in [0, 1) to an entry point and direction; the first number is stratified
+    /// over the paths. The ledger closes to rounding.
     pub fn trace(
         &self,
         stream: Xoshiro256PlusPlus,
@@ -66,8 +69,9 @@ impl<S: Shape> Walk<'_, S> {
         )
     }
 
-    /// Traces one path for each row of `incident`, whose weights at the wavelengths of the interior it comes with; every fraction of
-    /// ledger and exits is then of a flux of 1. `entry` is called in the order of the rows.
+    /// Traces one path for each row of `incident`, which holds the path's incident flux at each wavelength of the
+    /// interior. Amounts in the ledger and exits include that flux: they are relative to a flux of 1, not to the path's
+    /// own. `entry` is called in the order of the rows.
     pub fn trace_incident(
         &self,
         stream: Xoshiro256PlusPlus,
@@ -95,8 +99,8 @@ impl<S: Shape> Walk<'_, S> {
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("fma")
             {
-                // SAFETY: the processor has just been found to have every feature the function is compiled for, the only
-                // thing asked of its caller; the function itself is safe code.
+                // SAFETY: the checks above found every feature the function is compiled for. The call has no other
+                // precondition; the function itself is safe code.
                 return unsafe { self.trace_avx512(stream, paths, ends) };
             }
             if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
@@ -119,7 +123,8 @@ impl<S: Shape> Walk<'_, S> {
         self.trace_lanes(stream, paths, ends)
     }
 
-    /// Compiled once for each instruction set, always to the same bits: nothing is contracted or reordered.
+    /// Compiled once for each instruction set. Results have the same bits on all: the compiler neither contracts nor
+    /// reorders floating-point operations.
     #[inline(always)]
     fn trace_lanes(&self, stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'_>) -> Traced {
         if self.interior.wavelengths() == 1 {
@@ -130,22 +135,22 @@ impl<S: Shape> Walk<'_, S> {
     }
 }
 
-/// Where paths come from and where their exits go. Not generic, so that the kernel is compiled once for all tallies.
+/// Source of the paths and sink of their exits. Not generic, so that the kernel is compiled once for all tallies.
 struct Ends<'a> {
     incident: Option<&'a [f32]>,
     entry: &'a mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry,
     sink: &'a mut dyn FnMut(&Exit<'_>),
 }
 
-/// The paths under way.
+/// State of the paths being traced.
 struct State<'a, 'e, S, W> {
     walk: &'a Walk<'a, S>,
     ends: Ends<'e>,
     entrance: Entrance,
-    /// Whose turn it is to be the hero, for how many paths, and of how many it has been.
-    next_turn: usize,
-    paths_of_a_turn: usize,
-    paths_of_turn: usize,
+    /// Index into the heroes of a round, consecutive paths for each hero, and paths of the present hero started so far.
+    next_hero: usize,
+    run_length: usize,
+    paths_in_run: usize,
     flights: Flights,
     weights: W,
     scatterings: u64,
@@ -156,7 +161,7 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
     #[inline(always)]
     fn new(walk: &'a Walk<'a, S>, mut stream: Xoshiro256PlusPlus, paths: usize, ends: Ends<'e>) -> Self {
         let (lanes, entering) = (LaneStream::open(&mut stream), LaneStream::open(&mut stream));
-        let next_turn = (stream.next_u64() % walk.interior.heroes().len() as u64) as usize;
+        let next_hero = (stream.next_u64() % walk.interior.heroes().len() as u64) as usize;
         let nowhere = Entry {
             position: Vec3::zeros(),
             normal: Vec3::z(),
@@ -166,9 +171,9 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
             walk,
             entrance: Entrance::new(entering, paths),
             flights: Flights::new(lanes),
-            next_turn,
-            paths_of_a_turn: (paths / (ROUNDS * walk.interior.heroes().len())).clamp(1, PATHS_OF_A_TURN),
-            paths_of_turn: 0,
+            next_hero,
+            run_length: (paths / (ROUNDS * walk.interior.heroes().len())).clamp(1, RUN_LENGTH_AT_MOST),
+            paths_in_run: 0,
             weights: W::new(walk.interior, ends.incident),
             ends,
             scatterings: 0,
@@ -198,7 +203,7 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
         }
     }
 
-    /// Begins paths in the lanes that have none, while there are any.
+    /// Starts paths in idle lanes until every lane is busy or no path is left.
     #[inline(always)]
     fn refill(&mut self) {
         let idle = !self.flights.alive & (Mask::MAX >> (Mask::BITS - LANES as u32));
@@ -221,14 +226,14 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
     fn begin(&mut self, lane: usize, place: usize) {
         let interior = self.walk.interior;
         let heroes = interior.heroes();
-        let hero = heroes[self.next_turn];
-        self.paths_of_turn += 1;
-        if self.paths_of_turn == self.paths_of_a_turn {
-            self.paths_of_turn = 0;
-            self.next_turn = if self.next_turn + 1 == heroes.len() {
+        let hero = heroes[self.next_hero];
+        self.paths_in_run += 1;
+        if self.paths_in_run == self.run_length {
+            self.paths_in_run = 0;
+            self.next_hero = if self.next_hero + 1 == heroes.len() {
                 0
             } else {
-                self.next_turn + 1
+                self.next_hero + 1
             };
         }
         let of = &self.entrance;
@@ -263,7 +268,7 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
         flights.alive |= Mask::from(reach > 0.0) << lane;
     }
 
-    /// Deals with what each lane met, and tells the sink of light that leaves.
+    /// Applies the event of each lane to its weights and passes light that leaves to the sink.
     #[inline(always)]
     fn meet(&mut self, step: &Step) {
         let Walk { interior, roulette, .. } = self.walk;
@@ -304,7 +309,8 @@ mod tests {
     use crate::optics::{Phase, PhaseTable};
     use crate::transport::{Coefficients, Cylinder, Purpose, Stream};
 
-    /// What one way to compile the kernel makes of paths that one or three wavelengths share.
+    /// Bits of all exits and ledgers of a trace with one or three wavelengths, run by `trace`: one of the compiled
+    /// versions of the kernel.
     fn traced(
         wavelengths: usize,
         trace: impl Fn(&Walk<'_, Cylinder>, Xoshiro256PlusPlus, Ends<'_>) -> Traced,
@@ -323,8 +329,8 @@ mod tests {
             interior: &Interior::new(1.5, &coefficients).unwrap(),
             roulette: Roulette::default(),
         };
-        let mut entry = |[turn, ..]: &[f64; ENTRY_COORDINATES]| {
-            let position = cylinder.at(*turn);
+        let mut entry = |[azimuth, ..]: &[f64; ENTRY_COORDINATES]| {
+            let position = cylinder.at(*azimuth);
             Entry {
                 position,
                 normal: cylinder.frame(&position).normal,
@@ -348,8 +354,8 @@ mod tests {
         bits
     }
 
-    /// Paths that come with weights of 1 are those of a flux of 1, bit by bit; with others what they came with is all
-    /// accounted for, at each wavelength.
+    /// Incident weights of 1 reproduce `trace` bit for bit. For other weights the ledger sums to the incident flux at
+    /// each wavelength.
     #[test]
     fn incident_weights_are_carried_through() {
         const PATHS: usize = 300;
@@ -386,7 +392,7 @@ mod tests {
             assert!(portable.len() > 500 && portable == detected);
             #[cfg(target_arch = "x86_64")]
             if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-                // SAFETY: the features have just been found.
+                // SAFETY: the condition above checked the features.
                 let avx2 = traced(wavelengths, |walk, stream, ends| unsafe {
                     walk.trace_avx2(stream, PATHS, ends)
                 });

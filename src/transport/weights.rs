@@ -2,24 +2,25 @@ use super::entrance::Entrance;
 use super::flights::{Flights, Mask, Step};
 use super::{Interior, Ledger, Roulette};
 
-/// What the paths under way carry, and the sums of what became of it.
+/// Weights of the paths being traced, and the ledger sums of all paths.
 pub(super) trait Weights<'a> {
-    /// Every path comes with a weight of 1 at every wavelength, or with the row of `incident` that has its number.
+    /// Every path has an incident flux of 1 at every wavelength, or the row of `incident` with the path's index.
     fn new(interior: &Interior<'_>, incident: Option<&'a [f32]>) -> Self;
 
-    /// Looks at the paths that wait at the entrance.
+    /// Called when a new set of paths waits at the entrance; precomputes what can be vectorised over them.
     fn prepare(&mut self, interior: &Interior<'_>, entrance: &Entrance);
 
-    /// Begins the path that waits at a place of the entrance in a lane: `crossing` becomes what leaves on the far side
-    /// without meeting a particle. Returns the probability P that the hero does anything else on its first flight, under
-    /// the condition of which the path is drawn.
+    /// Starts the path at position `place` of the entrance in a lane; [`Self::crossing`] then holds the part that
+    /// crosses unscattered. Returns the probability P that the hero's first flight does not cross, on which the path is
+    /// conditioned.
     fn begin(&mut self, interior: &Interior<'_>, entrance: &Entrance, place: usize, lane: usize, hero: usize) -> f64;
 
     /// Fractions of the path's incident flux, one for each wavelength, that cross unscattered.
     fn crossing(&self) -> &[f64];
 
-    /// Takes every lane through the step: absorption, turns, light that leaves, which `tell` gets lane by lane with its
-    /// fraction of the path's incident flux at each wavelength, and roulette. Returns the lanes whose paths go on.
+    /// Applies a step to the weights of every lane: absorption, scattering, exits and Russian roulette. Passes the
+    /// light that leaves each lane to `tell`, as fractions of the path's incident flux at each wavelength. Returns the
+    /// lanes whose paths continue.
     fn meet(
         &mut self,
         interior: &Interior<'_>,
@@ -29,9 +30,9 @@ pub(super) trait Weights<'a> {
         tell: impl FnMut(usize, &[f64]),
     ) -> Mask;
 
-    /// Sums over all paths, of each wavelength.
+    /// Ledger sums over all paths, one for each wavelength.
     fn ledgers(&self) -> Vec<Ledger>;
 }
 
-/// Events on end without light that leaves, after which a path has its turn at roulette all the same.
+/// Number of consecutive events without an exit after which Russian roulette applies all the same.
 pub(super) const EVENTS_AT_MOST: u64 = 32;

@@ -7,24 +7,28 @@ use crate::transport::{Cylinder, ENTRY_COORDINATES, Entry, Ledger, Purpose};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Directions whose shares of f* are held at once before they are added in their order.
+/// Number of directions whose parts of f* are held in memory before they are added in order.
 const HELD_DIRECTIONS: usize = 8;
 
-/// Axes of a BSSRDF table: traced incident direction × exit azimuth × z × exit cell × wavelength, wavelength fastest. The
-/// entry patch lies at azimuth 0; rotation takes it to every other. An incident direction stands for its cell of the
+/// Axes of a BSSRDF table: traced incident direction × exit azimuth × z × exit cell × wavelength, wavelength fastest.
+/// The entry patch lies at azimuth 0; rotation maps it to every other. An incident direction represents its cell of the
 /// hemisphere. Values are fractions of the flux incident on the patch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BssrdfGrid {
     incident: IncidentGrid,
     surface: SurfaceGrid,
     radius_mm: f64,
-    /// Upper edges of the cells of z > 0, mm; the same below 0, and one overflow cell at either end.
+    /// Upper edges of the cells with z > 0, mm. Cells with z < 0 mirror them; one overflow cell lies at either end.
     z_edges_mm: Vec<f64>,
     wavelengths: usize,
 }
 
 impl BssrdfGrid {
-    /// `z_cells` counts both halves, without overflow; its edges lie at R, 2R, 4R, …
+    /// `z_cells` is the number of cells along the yarn in both halves, without the overflow cells; their edges lie at
+    /// ±R, ±2R, ±4R, …
+    ///
+    /// # Errors
+    /// [`YarnError::Count`] if `z_cells` is odd or 0.
     pub fn new(yarn: &Yarn, incident: IncidentGrid, surface: SurfaceGrid, z_cells: usize) -> Result<Self, YarnError> {
         if z_cells < 2 || !z_cells.is_multiple_of(2) {
             return Err(YarnError::Count {
@@ -70,8 +74,8 @@ impl BssrdfGrid {
         self.shape()[1..].iter().product()
     }
 
-    /// S per fraction, 1/(sr mm²): S = F_out/(∫cosθ dω ΔB F_in), mean over the cell of radiance at B per flux entering at
-    /// A. `None` in the overflow cells, which have no area.
+    /// Factor from fraction to BSSRDF, 1/(sr mm²): S = F_out/(∫cosθ dω ΔB F_in), the mean over the cell of radiance at
+    /// B per flux entering at A. `None` in the overflow cells, which have no finite area.
     pub fn value_per_fraction(&self, z: usize, exit: usize) -> Option<f64> {
         let half = self.z_edges_mm.len();
         if z == 0 || z > 2 * half {
@@ -90,11 +94,11 @@ impl BssrdfGrid {
     }
 }
 
-/// Light onto the patch at azimuth 0, even over it; a part is the cell of one of the incident directions.
+/// Uniform irradiance on the patch at azimuth 0; a part is the cell of one of the incident directions.
 struct Patch {
     cylinder: Cylinder,
     incident: IncidentGrid,
-    /// Radians.
+    /// Width of the patch in azimuth, radians.
     width: f64,
 }
 
@@ -104,19 +108,20 @@ impl LightSource for Patch {
     }
 
     #[inline(always)]
-    fn entry(&self, part: usize, [zenith, turn, around, _]: &[f64; ENTRY_COORDINATES]) -> Entry {
+    fn entry(&self, part: usize, [zenith, azimuth, around, _]: &[f64; ENTRY_COORDINATES]) -> Entry {
         let position = self.cylinder.at(self.width * (around - 0.5));
         let frame = self.cylinder.frame(&position);
         Entry {
             position,
             normal: frame.normal,
-            omega_in: frame.to_world(&self.incident.cell(part).direction(*zenith, *turn)),
+            omega_in: frame.to_world(&self.incident.cell(part).direction(*zenith, *azimuth)),
         }
     }
 }
 
-/// Traces the entry patch from the cells of incident directions, and sums over the lit surface to f* as it goes: each
-/// path knows the tilt and azimuth of its light exactly, so that no interpolation between directions blurs the sum.
+/// Traces light from the cells of incident directions through the entry patch to the BSSRDF, and integrates it over the
+/// lit surface to f* at the same time. The integral uses the exact tilt and azimuth of each path's light, so no
+/// interpolation between directions blurs it.
 pub struct PatchTracer<'a> {
     tracer: Tracer<'a, Patch>,
     grid: BssrdfGrid,
@@ -129,15 +134,15 @@ pub struct PatchTracer<'a> {
 /// Result of one batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BssrdfBatch {
-    /// Fractions, axes as [`BssrdfGrid`] says.
+    /// Fractions of the flux incident on the patch; axes as in [`BssrdfGrid`].
     pub fractions: Vec<f64>,
-    /// The sum of the BSSRDF over the lit surface.
+    /// f* as the integral of the BSSRDF over the lit surface.
     pub response: YarnResponse,
     /// Traced direction × wavelength, wavelength fastest; means over the directions' cells.
     pub ledgers: Vec<Ledger>,
 }
 
-/// A direction's part of f*: the tilts it reaches.
+/// Contribution of one direction to f*, at the tilts it covers.
 struct Part {
     first_tilt: usize,
     values: Vec<f64>,
@@ -146,7 +151,7 @@ struct Part {
 }
 
 impl<'a> PatchTracer<'a> {
-    /// Paths of `effort` are for each direction.
+    /// `effort` gives the paths for each traced direction.
     pub fn new(yarn: &'a Yarn, grid: BssrdfGrid, summed: YarnResponseGrid, effort: Effort) -> Result<Self, YarnError> {
         let patch = Patch {
             cylinder: yarn.cylinder,
@@ -217,7 +222,7 @@ impl<'a> PatchTracer<'a> {
         let first_cell = summed.cell(*tilts.start(), 0, 0);
         let first_transfer = summed.transfer_cell(*tilts.start(), 0, false, 0);
         let reached = |count: usize| count / summed.tilts() * tilts.clone().count() * wavelengths;
-        // The part of the hemisphere that this direction and its mirror images stand for.
+        // Solid angle that this direction and its mirror images represent.
         let seen = incident.images() * cell.solid_angle();
         let mut values = vec![0.0; reached(summed.cells())];
         let mut transfer = vec![0.0; reached(summed.transfer_cells())];

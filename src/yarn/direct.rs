@@ -5,7 +5,7 @@ use crate::fault::{self, Fault};
 use crate::transport::{Ledger, Purpose};
 use rayon::prelude::*;
 
-/// Parallel beams over the whole yarn, tallied to f* without a BSSRDF between.
+/// Traces parallel beams over the whole yarn and tallies f* directly, without a BSSRDF.
 pub struct DirectTracer<'a> {
     tracer: Tracer<'a, Beam>,
     grid: YarnResponseGrid,
@@ -17,14 +17,14 @@ pub struct DirectTracer<'a> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectBatch {
     pub response: YarnResponse,
-    /// Tilt × wavelength, wavelength fastest; fractions of the light that meets the yarn.
+    /// Ledgers, tilt × wavelength (fastest), as fractions of the light that meets the yarn.
     pub ledgers: Vec<Ledger>,
-    /// f* by path length; empty where it was not asked for.
+    /// f* by path length; empty if not requested.
     pub lengths: LengthTally,
 }
 
 impl<'a> DirectTracer<'a> {
-    /// Paths of `effort` are for each tilt.
+    /// `effort` gives the paths for each tilt.
     pub fn new(
         yarn: &'a Yarn,
         grid: YarnResponseGrid,

@@ -3,7 +3,7 @@ use crate::geometry::Vec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Incident directions over the hemisphere of the local normal: the centres of zenith × azimuth cells (the preprint's
-/// 144). The cylinder's two mirror planes let a quarter of them stand for all.
+/// 144). By the cylinder's two mirror planes a quarter of them represents all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IncidentGrid {
     zenith: usize,
@@ -11,7 +11,7 @@ pub struct IncidentGrid {
     folded: bool,
 }
 
-/// The cell of the hemisphere that an incident direction stands for.
+/// The cell of the hemisphere that an incident direction represents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DirectionCell {
     cos_theta: [f64; 2],
@@ -23,15 +23,16 @@ impl DirectionCell {
         (self.cos_theta[0] - self.cos_theta[1]) * (self.phi[1] - self.phi[0])
     }
 
-    /// The direction at `zenith` and `turn` in 0..1, even in solid angle: (tangent, axis, normal), towards the light.
-    pub fn direction(&self, zenith: f64, turn: f64) -> Vec3 {
+    /// Direction towards the light, (tangent, axis, normal), uniform in solid angle over the cell if `zenith` and
+    /// `azimuth` are uniform random numbers in [0, 1].
+    pub fn direction(&self, zenith: f64, azimuth: f64) -> Vec3 {
         let cos = self.cos_theta[0] + (self.cos_theta[1] - self.cos_theta[0]) * zenith;
-        let phi = self.phi[0] + (self.phi[1] - self.phi[0]) * turn;
+        let phi = self.phi[0] + (self.phi[1] - self.phi[0]) * azimuth;
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
     }
 
-    /// Least and greatest |sin ψ| of the tilt ψ out of the normal plane; no cell lies across a mirror plane.
+    /// Smallest and largest |sin ψ| of the tilt ψ out of the normal plane; no cell straddles a mirror plane.
     pub fn sine_of_tilt(&self) -> [f64; 2] {
         let sin_theta = self.cos_theta.map(|cos| (1.0 - cos * cos).max(0.0).sqrt());
         let sin_phi = self.phi.map(|phi| phi.sin().abs());
@@ -43,7 +44,10 @@ impl DirectionCell {
 }
 
 impl IncidentGrid {
-    /// `folded`: trace only the first quadrant of azimuth.
+    /// Numbers of zenith and azimuth cells. `folded`: trace only the first quadrant of azimuth.
+    ///
+    /// # Errors
+    /// [`YarnError::Count`] if `azimuth` is not a multiple of 4 or a number is 0.
     pub fn new(zenith: usize, azimuth: usize, folded: bool) -> Result<Self, YarnError> {
         if zenith == 0 || azimuth < 4 || !azimuth.is_multiple_of(4) {
             return Err(YarnError::Count {
@@ -59,17 +63,17 @@ impl IncidentGrid {
         })
     }
 
-    /// All directions, traced or mirrored.
+    /// Number of all directions, traced or mirrored.
     pub fn len(&self) -> usize {
         self.zenith * self.azimuth
     }
 
-    /// Never true: construction refuses an empty grid.
+    /// Always false: construction rejects an empty grid.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Directions that are traced.
+    /// Number of traced directions.
     pub fn traced(&self) -> usize {
         self.zenith * self.traced_azimuths()
     }
@@ -86,7 +90,7 @@ impl IncidentGrid {
         ]
     }
 
-    /// (tangent, axis, normal) of traced direction t, towards the light.
+    /// Unit vector (tangent, axis, normal) towards the light of traced direction t.
     pub(super) fn traced_direction(&self, t: usize) -> Vec3 {
         let n = self.traced_azimuths();
         let theta = ((t / n) as f64 + 0.5) * FRAC_PI_2 / self.zenith as f64;
@@ -94,7 +98,7 @@ impl IncidentGrid {
         Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
     }
 
-    /// The traced direction that stands for direction i, and the mirrors between them.
+    /// The traced direction that represents direction i, and the two reflections between them.
     pub fn representative(&self, i: usize) -> (usize, bool, bool) {
         let (row, mut column) = (i / self.azimuth, i % self.azimuth);
         if !self.folded {
@@ -115,14 +119,14 @@ impl IncidentGrid {
     pub(super) fn cell(&self, t: usize) -> DirectionCell {
         let n = self.traced_azimuths();
         let edge = |i: usize| (i as f64 * FRAC_PI_2 / self.zenith as f64).cos();
-        let turn = |j: usize| j as f64 * TAU / self.azimuth as f64;
+        let azimuth_of = |j: usize| j as f64 * TAU / self.azimuth as f64;
         DirectionCell {
             cos_theta: [edge(t / n), edge(t / n + 1)],
-            phi: [turn(t % n), turn(t % n + 1)],
+            phi: [azimuth_of(t % n), azimuth_of(t % n + 1)],
         }
     }
 
-    /// Directions of the hemisphere that a traced one stands for.
+    /// Number of directions of the hemisphere that a traced one represents.
     pub(super) fn images(&self) -> f64 {
         (self.len() / self.traced()) as f64
     }
@@ -133,7 +137,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// The cells of the traced directions hold them, and with their images cover the hemisphere.
+    /// Each traced direction lies in its cell, and the cells with their mirror images cover the hemisphere.
     #[test]
     fn cells_hold_their_directions() {
         for folded in [true, false] {
@@ -146,8 +150,8 @@ mod tests {
                 let phi = d.y.atan2(d.x).rem_euclid(TAU);
                 assert!(cell.phi[0] < phi && phi < cell.phi[1]);
                 let [low, high] = cell.sine_of_tilt();
-                for (zenith, turn) in [(0.0, 0.0), (0.3, 0.9), (1.0, 0.5), (1.0, 1.0)] {
-                    let sine = cell.direction(zenith, turn).y.abs();
+                for (zenith, azimuth) in [(0.0, 0.0), (0.3, 0.9), (1.0, 0.5), (1.0, 1.0)] {
+                    let sine = cell.direction(zenith, azimuth).y.abs();
                     assert!((low - 1e-12..=high + 1e-12).contains(&sine));
                 }
                 solid_angle += grid.images() * cell.solid_angle();

@@ -34,7 +34,7 @@ impl LightSource for Point {
 /// Result of one batch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EnergyBatch {
-    /// Traced direction × wavelength, wavelength fastest.
+    /// Ledgers, traced direction × wavelength (fastest).
     pub ledgers: Vec<Ledger>,
     /// Light that left, by path length; empty without bins: traced direction × wavelength × bin of the fractions
     /// (ballistic, scattered) and of the fractions times path length in mm.
@@ -42,7 +42,7 @@ pub struct EnergyBatch {
 }
 
 impl<'a> EnergyTracer<'a> {
-    /// Paths of `effort` are for each direction.
+    /// `effort` gives the paths for each traced direction.
     pub fn new(
         yarn: &'a Yarn,
         incident: IncidentGrid,

@@ -4,8 +4,8 @@ use crate::transport::{Ledger, Purpose};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Axes of the yarn's far field. Tilts of the light and of the light that leaves are the same cells, even in sin ψ and hence
-/// in solid angle; the azimuth about the axis, from the light, is in cells of 0..180° on either side.
+/// Axes of the yarn's far field. Incident and exit tilts use the same cells, uniform in sin ψ and hence in solid angle.
+/// Azimuth cells about the axis, from the light, cover 0..180° on either side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FarFieldGrid {
     tilts: usize,
@@ -39,20 +39,20 @@ impl FarFieldGrid {
         [tilt, tilt + 1].map(|edge| edge as f64 / self.tilts as f64)
     }
 
-    /// All cells of a batch's scattered light, wavelengths apart.
+    /// Number of cells of a batch's scattered light, for one wavelength.
     pub fn cells(&self) -> usize {
         self.tilts * 2 * self.tilts * 2 * 2 * self.azimuths
     }
 
-    /// Light from tilt cell `from.0` on the side `from.1` of the yarn's normal plane, seen in tilt cell `to.0` on the side
-    /// `to.1`, at `side` of the light and so many cells of azimuth from it.
+    /// Index of the cell for light from tilt cell `from.0` on side `from.1` of the yarn's normal plane that leaves in
+    /// tilt cell `to.0` on side `to.1`, in azimuth cell `azimuth` on side `side` of the light.
     pub fn cell(&self, from: (usize, bool), to: (usize, bool), side: bool, azimuth: usize) -> usize {
         let place = (from.0 * 2 + usize::from(from.1)) * self.tilts + to.0;
         ((place * 2 + usize::from(to.1)) * 2 + usize::from(side)) * self.azimuths + azimuth
     }
 }
 
-/// What a yarn makes of parallel beams as seen from afar, where it is a line: no place on it matters any more.
+/// Traces the far field of a yarn in parallel beams: the scattered radiant intensity, without regard to the exit point.
 pub struct FarFieldTracer<'a> {
     tracer: Tracer<'a, Beam>,
     grid: FarFieldGrid,
@@ -61,16 +61,17 @@ pub struct FarFieldTracer<'a> {
 /// Result of one batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FarFieldBatch {
-    /// ∫∫ P dω_in dω_out over the cells in units of 2R times the solid angle 2π of the tilt cells' azimuths: P = ∮ f* cosθ_out R dφ,
-    /// the radiant intensity per length of yarn and E⊥, symmetric in its two directions. Cell of the grid × wavelength,
-    /// wavelength fastest.
+    /// ∫∫ P dω_in dω_out over the cells, in units of 2R times the azimuth range 2π of the tilt cells. P = ∮ f* cosθ_out
+    /// R dφ is the radiant intensity per length of yarn and per E⊥, symmetric in its two directions. Cell of the grid ×
+    /// wavelength (fastest).
     pub scattered: Vec<f64>,
-    /// Tilt × wavelength, wavelength fastest; fractions of the light that meets the yarn, mean over beams even in sin ψ.
+    /// Ledgers, tilt × wavelength (fastest), as fractions of the light that meets the yarn; mean over beams uniform in
+    /// sin ψ.
     pub ledgers: Vec<Ledger>,
 }
 
 impl<'a> FarFieldTracer<'a> {
-    /// Paths of `effort` are for each tilt.
+    /// `effort` gives the paths for each tilt.
     pub fn new(yarn: &'a Yarn, grid: FarFieldGrid, effort: Effort) -> Result<Self, YarnError> {
         let beam = Beam {
             purpose: Purpose::Check,
@@ -117,7 +118,7 @@ impl<'a> FarFieldTracer<'a> {
             let azimuth = (azimuth as usize).min(grid.azimuths - 1);
             let from = (tilt, exit.omega_in.y < 0.0);
             let cell = grid.cell(from, (seen, out.y < 0.0), out.x < 0.0, azimuth) - first_cell;
-            // Beams even in sin ψ; of each the yarn meets cos ψ.
+            // Beams are uniform in sin ψ; the flux that meets the yarn is proportional to cos ψ.
             let factor = share * (high - low) * exit.omega_in.z;
             add_scaled(&mut scattered[cell * wavelengths..][here], exit.weights, factor);
         });

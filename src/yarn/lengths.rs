@@ -1,13 +1,13 @@
 use super::YarnError;
 use crate::transport::Estimate;
 
-/// Upper edges of the first bins in radii; further ones double. Most light of a dyed yarn leaves within 4 R, and its
-/// path lengths cluster just below 2 R and 4 R, the yarn's diameter and twice that. Equal steps there give
-/// re-absorption a quarter of the error of doubling ones (0.2 % instead of 0.8 % of f* for κ_0 0.0065 → 0.004 in the
-/// dye's band).
+/// Upper edges of the first bins in radii; further edges double. Most light of a dyed yarn leaves within 4 R, and its
+/// path lengths cluster just below 2 R and 4 R (one and two diameters). Equal steps there reduce the re-absorption
+/// error to a quarter of that with doubling steps: 0.2 % instead of 0.8 % of f* for κ_0 0.0065 → 0.004 in the dye's
+/// band.
 const EDGES_IN_RADII: [f64; 7] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 8.0];
 
-/// Bins of the length of a path inside the yarn; the last has no upper edge.
+/// Bins of path length inside the yarn; the last bin has no upper edge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LengthBins {
     edges_mm: Vec<f64>,
@@ -33,10 +33,10 @@ impl LengthBins {
         })
     }
 
-    /// Bins from a file, by the upper edge of every bin but the last, mm.
+    /// Bins from the upper edge of every bin but the last, mm.
     ///
     /// # Errors
-    /// Edges that do not ascend from above 0.
+    /// [`YarnError::Reabsorption`] if the edges are not positive and ascending.
     pub fn from_edges(edges_mm: Vec<f64>) -> Result<Self, YarnError> {
         if !edges_mm.is_sorted_by(|a, b| a < b) || edges_mm.first().is_none_or(|&first| first.is_nan() || first <= 0.0)
         {
@@ -72,7 +72,7 @@ pub struct LengthTally {
     pub moment_mm: Vec<f32>,
 }
 
-/// Sums over batches of tallies by path length, in the order of the batches: Σ x and Σ x² of the amount, Σ of its
+/// Sums over batches of tallies by path length, in the order of the batches: Σ x and Σ x² of the amount, and Σ of its
 /// moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LengthSums {
@@ -92,7 +92,7 @@ impl LengthSums {
         }
     }
 
-    /// Adds one batch, one number for each value.
+    /// Adds one batch.
     pub fn add(&mut self, batch: &LengthTally) {
         self.batches += 1;
         let moments = self.moment_mm.iter_mut().zip(&batch.moment_mm);

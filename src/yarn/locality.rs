@@ -1,4 +1,4 @@
-//! Locality: how far along the yarn scattered light leaves from where it entered.
+//! Locality: distance along the yarn between the entry and the exit of scattered light.
 
 use super::tracer::{Beam, Tracer};
 use super::{Effort, Yarn, YarnError};
@@ -7,8 +7,8 @@ use crate::transport::{Estimate, Purpose};
 const BATCHES: usize = 16;
 const PATHS_PER_BATCH: usize = 4000;
 
-/// Fractions of the scattered light of a beam across a straight yarn that leave farther than each of these distances
-/// along it: [wavelength][distance].
+/// Fractions of the scattered light that leave farther along the yarn from their entry than each of the given
+/// distances, mm, for a beam normal to a straight yarn: [wavelength][distance].
 pub fn scattered_beyond<const N: usize>(
     yarn: &Yarn,
     distances_mm: [f64; N],

@@ -35,7 +35,7 @@ use crate::geometry::{HemisphereGrid, Sectors};
 use crate::optics::Medium;
 use crate::transport::{Coefficients, Cylinder, Interior, Roulette, TransportError, Walk};
 
-/// What is wrong with an input of the yarn's tracing.
+/// Invalid input to the tracing of a yarn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum YarnError {
     #[error(transparent)]
@@ -52,7 +52,7 @@ pub enum YarnError {
         expected: usize,
         found: usize,
     },
-    /// What was traced does not carry the change of absorption; what differs too much must be traced.
+    /// The change of the medium is too large for re-weighting, or the data do not match; trace the new medium.
     #[error("re-absorption: {quantity}: expected {expected}, found {found}; trace the new medium instead")]
     Reabsorption {
         quantity: &'static str,
@@ -61,26 +61,26 @@ pub enum YarnError {
     },
 }
 
-/// How wavelengths share paths.
+/// How paths are assigned to wavelengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimator {
-    /// One path for all wavelengths, weighed by the balance heuristic.
+    /// One path for all wavelengths, weighted by the balance heuristic.
     Shared,
-    /// A path for each wavelength; its ledger closes to rounding.
+    /// Separate paths for each wavelength; the ledger closes to rounding.
     Independent,
 }
 
-/// A yarn: a cylinder full of medium.
+/// A yarn: an infinite circular cylinder filled with the medium.
 #[derive(Clone, Debug)]
 pub struct Yarn {
     pub cylinder: Cylinder,
     pub medium: Medium,
     pub roulette: Roulette,
-    /// As asked for; see [`Yarn::estimator_in_use`].
+    /// Estimator requested; see [`Yarn::estimator_in_use`].
     pub estimator: Estimator,
 }
 
-/// Wavelengths from number `first` of the medium's grid on that share paths.
+/// Consecutive wavelengths that share paths; `first` is the index of the first one in the medium's grid.
 #[derive(Debug)]
 pub struct Sharing<'a> {
     pub first: usize,
@@ -88,7 +88,8 @@ pub struct Sharing<'a> {
 }
 
 impl Yarn {
-    /// The estimator that is used: refraction parts the wavelengths of a dispersive host, which then need a path each.
+    /// The estimator in effect. In a dispersive host refraction separates the wavelengths, so paths are independent
+    /// whatever was requested.
     pub fn estimator_in_use(&self) -> Estimator {
         let index = self.medium.host_index();
         if index.iter().all(|n| *n == index[0]) {
@@ -98,12 +99,16 @@ impl Yarn {
         }
     }
 
-    /// The medium's wavelengths in order, those that share paths together.
+    /// The medium's wavelengths in order, grouped by shared paths.
+    ///
+    /// # Errors
+    /// [`YarnError`] if the medium cannot be traced.
     pub fn sharing(&self) -> Result<Vec<Sharing<'_>>, YarnError> {
         self.sharing_by(self.estimator_in_use())
     }
 
-    /// The same, as if this estimator were in use. Wavelengths of a dispersive host that share paths go wrong ways.
+    /// The same as [`Self::sharing`] for a given estimator. In a dispersive host, shared paths have wrong directions at
+    /// all wavelengths but one.
     pub fn sharing_by(&self, estimator: Estimator) -> Result<Vec<Sharing<'_>>, YarnError> {
         let one_absorption = fault::active(Fault::OneAbsorption) && estimator == Estimator::Independent;
         let middle = |w| one_absorption && w == self.wavelengths() / 2;
@@ -153,13 +158,13 @@ fn add_scaled(sums: &mut [f64], weights: &[f64], factor: f64) {
         .for_each(|(sum, weight)| *sum += factor * weight);
 }
 
-/// How much to trace and with what random numbers.
+/// Number of paths and batches, and seed of the random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {
     pub seed: u64,
-    /// Independent batches, two or more for a standard error.
+    /// Number of independent batches; a standard error needs two or more.
     pub batches: usize,
-    /// Paths of one batch for each direction, and for each wavelength if they share none.
+    /// Paths per batch for each direction, and for each wavelength if paths are independent.
     pub paths_per_batch: usize,
 }
 
@@ -188,10 +193,10 @@ impl Effort {
     }
 }
 
-/// Cells on the yarn's surface and in direction.
+/// Cells of the yarn's surface (azimuth) and of exit directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceGrid {
-    /// Azimuth cells around the whole yarn; even.
+    /// Number of azimuth cells around the whole yarn, a multiple of 2.
     azimuths: usize,
     exit: HemisphereGrid,
 }

@@ -4,39 +4,39 @@ use crate::optics::Medium;
 use rayon::prelude::*;
 use std::iter::zip;
 
-/// Another absorption for light that was traced already, after exp(−Δμ L) of its path lengths L.
+/// Re-weighting of traced light to another absorption by exp(−Δμ L), with L the path length inside the yarn.
 ///
-/// Path lengths are known by bins, as the amount and the mean length in each. Within a bin they are taken to be spread as
-/// widely as that mean allows, which is a truncated exponential (Jaynes 1957), in the last bin, without an end, an
-/// exponential. More absorption turns such a distribution into another of its kind, so that two changes in turn are as good as
-/// one.
+/// Path lengths are binned; each bin holds the amount of light and its mean length. Within a bin the maximum-entropy
+/// distribution with that mean is assumed: a truncated exponential (Jaynes 1957), and an exponential in the open last
+/// bin. Re-weighting maps this family of distributions to itself, so two successive changes equal one.
 ///
-/// κ changes scattering too: at the peak of the default dye μ_s by −0.8 % for κ_0 = 0 in place of 0.0065, by +1.7 % for 0.01
-/// and +11 % for 0.02, g by less than 0.002. Δμ is therefore the change of μ_a + μ_s, and scattered light takes a
-/// factor μ_s'/μ_s: all there is to ballistic light and to light that scattered once. What more scatterings add was traced with
-/// 10 % more μ_s: a power of μ_s from 0.08 at 530 nm to 1.95 at 680 nm, always less than μ_s L (0.25 to 2.5), so that
-/// |μ_s'/μ_s − 1| μ_s L is part of the systematic error. The change of the phase function is neglected.
+/// κ changes scattering too. At the peak of the default dye μ_s changes by −0.8 % for κ_0 = 0 instead of 0.0065, by
+/// +1.7 % for 0.01 and by +11 % for 0.02; g changes by less than 0.002. Δμ is therefore the change of μ_a + μ_s, and
+/// scattered light gets a factor μ_s'/μ_s. This is exact for ballistic and singly scattered light. For multiple
+/// scattering, a trace with 10 % more μ_s gave a remaining dependence μ_s^q with q from 0.08 at 530 nm to 1.95 at
+/// 680 nm, always less than μ_s L (0.25 to 2.5). The systematic error therefore includes |μ_s'/μ_s − 1| μ_s L. The
+/// change of the phase function is neglected.
 #[derive(Clone, Debug)]
 pub struct Reabsorption {
     bins: LengthBins,
     changes: Vec<Change>,
 }
 
-/// How the medium changes at one wavelength.
+/// Change of the medium at one wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
     pub wavelength_nm: f64,
     /// New less old absorption coefficient, 1/mm.
     pub mu_a_per_mm: f64,
-    /// The same of absorption and scattering together.
+    /// Change of the extinction coefficient μ_a + μ_s, 1/mm.
     mu_t_per_mm: f64,
-    /// New over old scattering coefficient.
+    /// Ratio of the new to the old scattering coefficient.
     pub scattering: f64,
     /// New scattering coefficient, 1/mm.
     mu_s_per_mm: f64,
 }
 
-/// Values of a table that are split by path length, in place: cell × bin × wavelength (fastest), means over batches.
+/// A table split by path length, re-weighted in place: cell × bin × wavelength (fastest), means over batches.
 #[derive(Debug)]
 pub struct ByLength<'a> {
     pub mean: &'a mut [f32],
@@ -45,59 +45,61 @@ pub struct ByLength<'a> {
     pub moment_mm: &'a mut [f32],
 }
 
-/// What becomes of one value.
+/// Result of re-weighting one value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reweighted {
-    /// New value over old.
+    /// Ratio of the new to the old value.
     pub ratio: f64,
-    /// New standard error over old.
+    /// Ratio of the new to the old standard error.
     pub se_ratio: f64,
-    /// What the bins and further scatterings leave open, relative to the new value.
+    /// Systematic error from the binning of lengths and from multiple scattering, relative to the new value.
     pub systematic: f64,
-    /// (Σ e W)² / (Σ W Σ e² W) over the bins, e the factor of what W holds: the share of the paths that still counts.
+    /// Effective fraction of the paths, (Σ e W)² / (Σ W Σ e² W) over the bins, with e the factor and W the light of a
+    /// bin.
     pub effective_share: f64,
-    /// Part of the new value in the last bin.
+    /// Fraction of the new value in the open last bin.
     open_share: f64,
-    /// Old value in the last bin, and its mean lengths beyond the bin's edge, mm times value.
+    /// Old value in the last bin, and that value times its mean length beyond the bin's edge, mm.
     open: [f64; 2],
 }
 
-/// How well the tallies of a wavelength carried its change.
+/// Quality of the re-weighting at one wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Support {
     /// Mean of [`Reweighted::effective_share`] over the table's light.
     pub effective_share: f64,
-    /// Part of the light in cells where that share is below [`Reabsorption::LEAST_EFFECTIVE_SHARE`].
+    /// Fraction of the light in cells whose effective share is below [`Reabsorption::LEAST_EFFECTIVE_SHARE`].
     pub unsupported: f64,
-    /// Systematic error of all the light, relative.
+    /// Relative systematic error of the total.
     pub systematic: f64,
-    /// Part of the light in cells whose systematic error exceeds both the statistical one and
+    /// Fraction of the light in cells whose systematic error exceeds both the statistical error and
     /// [`Reabsorption::GREATEST_SYSTEMATIC`].
     pub systematic_rules: f64,
-    /// Part of the light in the last bin.
+    /// Fraction of the light in the open last bin.
     pub open_bin: f64,
-    /// −Δμ times the mean length beyond the last bin's edge: the least of the growth of the light there, whose true lengths are
-    /// not known.
+    /// −Δμ times the mean length beyond the edge of the last bin: a lower bound of the growth of the light there, since
+    /// the distribution of its lengths is unknown.
     pub open_bin_growth: f64,
 }
 
 impl Reabsorption {
-    /// Below this effective share of the paths a cell's own error bar is no longer to be relied upon.
+    /// Effective share of the paths below which the standard error of a cell is unreliable.
     pub const LEAST_EFFECTIVE_SHARE: f64 = 0.1;
-    /// Relative systematic error that is worth a warning where it is greater than the statistical one.
+    /// Relative systematic error above which a warning is given, if it also exceeds the statistical error.
     pub const GREATEST_SYSTEMATIC: f64 = 0.01;
-    /// Relative change of μ_s, and change of g, that is taken as small.
+    /// Largest accepted relative change of μ_s, and largest accepted change of g.
     pub const GREATEST_SCATTERING_CHANGE: f64 = 0.1;
     pub const GREATEST_G_CHANGE: f64 = 0.01;
-    /// The part of the correction for the spread within bins that is its error. At the default study and |Δμ| up to 15/mm cells
-    /// were off by 0.15 to 0.5 of that, rms over the yarn, and by 1.4 times as much at most.
+    /// Error estimate of the correction for the spread of lengths within bins, as a fraction of that correction. For
+    /// the default study and |Δμ| up to 15/mm, the actual errors of cells were 0.15 to 0.5 times this estimate (rms
+    /// over the yarn) and at most 1.4 times.
     pub const ERROR_OF_SPREAD: f64 = 0.25;
 
-    /// From the medium that was traced to another.
+    /// Re-weighting from the traced medium to the wanted one.
     ///
     /// # Errors
-    /// Other wavelengths or host index; a scattering coefficient or asymmetry that differs by more than 10 % or 0.01: such a
-    /// medium must be traced.
+    /// [`YarnError`] if the media differ in wavelengths or host index, in μ_s by more than 10 %, or in g by more than
+    /// 0.01: such a medium must be traced.
     pub fn new(bins: LengthBins, traced: &Medium, wanted: &Medium) -> Result<Self, YarnError> {
         let refused = |quantity, expected, found| YarnError::Reabsorption {
             quantity,
@@ -143,17 +145,18 @@ impl Reabsorption {
         Ok(Self { bins, changes })
     }
 
-    /// One a wavelength.
+    /// Change of the medium at each wavelength.
     pub fn changes(&self) -> &[Change] {
         &self.changes
     }
 
-    /// A table of f*, cell × wavelength, from its own values and those by path length, all in place. The standard error is the
-    /// table's own times √(Σ e² V / Σ V), V the variance of a bin, e its factor: as far as bins go together from batch to batch
-    /// they are taken to go on doing so. Systematic errors of an earlier change, in the unit of the table, are kept and added to.
+    /// Re-weights a table of f* (cell × wavelength) and its table by path length, in place. The new standard error is
+    /// the old one times √(Σ e² V / Σ V), with V the variance and e the factor of a bin: correlations of bins between
+    /// batches are assumed not to change. Systematic errors of an earlier change, in the unit of the table, are kept
+    /// and added to.
     ///
     /// # Errors
-    /// Lists whose lengths do not fit each other.
+    /// [`YarnError::Reabsorption`] if the lengths of the lists do not match.
     pub fn table(
         &self,
         mean: &mut [f64],
@@ -215,12 +218,12 @@ impl Reabsorption {
             .collect())
     }
 
-    /// Light that left by path length: traced direction × wavelength × bin of ballistic light, scattered light, and both times
-    /// path length in mm, in place. Returns what becomes of the ballistic and the scattered light of each direction and
-    /// wavelength.
+    /// Re-weights the fractions that left the yarn, in place. `mean` and `se` hold, for each traced direction,
+    /// wavelength and bin: ballistic light, scattered light, and both times path length in mm. Returns the result for
+    /// the ballistic and the scattered light of each direction and wavelength.
     ///
     /// # Errors
-    /// Lists whose lengths do not fit each other.
+    /// [`YarnError::Reabsorption`] if the lengths of the lists do not match.
     pub fn energy(&self, mean: &mut [f64], se: &mut [f32]) -> Result<Vec<[Reweighted; 2]>, YarnError> {
         let (bins, wavelengths) = (self.bins.bins(), self.changes.len());
         if mean.len() != se.len() || !mean.len().is_multiple_of(4 * bins * wavelengths) {
@@ -256,7 +259,7 @@ impl Reabsorption {
         Ok(reweighted.collect())
     }
 
-    /// All bins of one value.
+    /// Re-weights all bins of one value.
     fn reweight(&self, w: usize, light: Light, bins: &mut [Bin]) -> Reweighted {
         let change = self.changes[w];
         let scattering = match light {
@@ -271,11 +274,11 @@ impl Reabsorption {
             let error = bin.se / bin.mean;
             let mean_mm = bin.moment_mm / bin.mean;
             let tilted = match light {
-                // n paths are spread (1 − 1/n) as widely about their own mean as many are, and 1/n is the square of their
-                // relative error.
+                // The variance of n paths about their own mean is (1 − 1/n) of the true variance, and 1/n is the square
+                // of their relative error.
                 Light::Scattered => range.tilt(mean_mm, change.mu_t_per_mm, (1.0 - error * error).max(0.0)),
-                // In one direction it has crossed the yarn a whole number of times, a different one in each bin but for the
-                // last few, which hold next to nothing.
+                // Ballistic light of one direction crosses the yarn an integer number of times. Each bin holds a single
+                // number of crossings, except the last few bins, which hold almost no light.
                 Light::Ballistic => Tilted {
                     correction: match old {
                         0.0 => 0.0,
@@ -332,7 +335,8 @@ impl Reabsorption {
         }
     }
 
-    /// Of all cells of a table, each with its light and how much of it the systematic error rules.
+    /// Quality over all cells of a table. Each item is a cell's light, the part of it in which the systematic error
+    /// dominates, and its result.
     fn support(&self, w: usize, cells: impl Iterator<Item = (f64, f64, Reweighted)>) -> Support {
         let mut sum = Support {
             effective_share: 0.0,
@@ -398,7 +402,7 @@ struct Bin {
     moment_mm: f64,
 }
 
-/// Lengths that a bin holds, mm; the last has no width.
+/// Range of lengths of a bin, mm; the last bin has no width.
 #[derive(Clone, Copy, Debug)]
 struct Range {
     low_mm: f64,
@@ -411,15 +415,16 @@ struct Tilted {
     factor: f64,
     /// New mean length.
     mean_mm: f64,
-    /// How much of the factor is due to the spread of the lengths, relative.
+    /// Relative part of the factor that is due to the spread of the lengths.
     correction: f64,
 }
 
 impl Range {
-    /// Lengths of a mean, of which the part `spreads` of their variance is spread over the range.
+    /// Re-weights lengths with a given mean; the fraction `spreads` of the variance of the assumed distribution is
+    /// used.
     fn tilt(&self, mean_mm: f64, change_per_mm: f64, spreads: f64) -> Tilted {
         let beyond = (mean_mm - self.low_mm).max(0.0);
-        // Logarithm of the mean of exp(−Δμ (L − mean)), and how far the mean moves.
+        // Logarithm of the mean of exp(−Δμ (L − mean)), and shift of the mean.
         let (spread, shift) = match self.width_mm {
             Some(width) => {
                 let rate = rate_of_mean((beyond / width).min(1.0));
@@ -428,7 +433,7 @@ impl Range {
                 (spread, width * (mean_of_rate(new) - mean_of_rate(rate)))
             }
             None => {
-                // An exponential that would grow without end stops short of it; the warning of the open bin says so.
+                // Growth is limited below the value at which the exponential diverges; a warning reports the open bin.
                 let growth = (change_per_mm * beyond).max(-MOST_OPEN_GROWTH);
                 (growth - growth.ln_1p(), -beyond * growth / (1.0 + growth))
             }
@@ -442,7 +447,7 @@ impl Range {
     }
 }
 
-/// Of −Δμ times the mean length beyond the last edge; the exponential diverges at 1.
+/// Upper limit of −Δμ times the mean length beyond the last edge; the exponential diverges at 1.
 const MOST_OPEN_GROWTH: f64 = 0.9;
 
 /// ln ∫₀¹ exp(−t x) dx.
@@ -461,10 +466,10 @@ fn mean_of_rate(t: f64) -> f64 {
     0.5 - 0.5 * langevin(0.5 * t)
 }
 
-/// The t of a mean.
+/// Inverse of [`mean_of_rate`].
 fn rate_of_mean(mean: f64) -> f64 {
     let v = (1.0 - 2.0 * mean).clamp(-STEEPEST, STEEPEST);
-    // Within 5 % (Cohen 1991), and from there by Newton's steps, each of which squares the error.
+    // Start from Cohen's approximation (1991), good to 5 %; each Newton step squares the error.
     let mut x = v * (3.0 - v * v) / (1.0 - v * v);
     for _ in 0..4 {
         let slope = if x.abs() < 1e-2 {
@@ -477,7 +482,7 @@ fn rate_of_mean(mean: f64) -> f64 {
     2.0 * x
 }
 
-/// Means nearer to an edge than this, 5e-4 of the range, count as so near.
+/// Limit of 2 × mean − 1: means nearer to an edge than 5e-4 of the range are moved to that distance.
 const STEEPEST: f64 = 0.999;
 
 fn langevin(x: f64) -> f64 {
@@ -501,7 +506,7 @@ mod tests {
         }
     }
 
-    /// Against the integral by Simpson's rule, and the derivative of its logarithm.
+    /// Reference: the integral by Simpson's rule, and the derivative of its logarithm.
     #[test]
     fn a_tilted_range_has_the_integral_and_mean_of_its_density() {
         let range = Range {

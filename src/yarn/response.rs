@@ -4,11 +4,12 @@ use crate::geometry::Vec3;
 use ndarray::{Array4, Array5};
 use std::iter::zip;
 
-/// f* of a yarn at each wavelength, and its transfer: what one batch of tracing tells about how a yarn scatters light.
+/// Yarn response f* at each wavelength, and the yarn transfer, as estimated by one batch of paths.
 ///
-/// f*(ω_in, ω_out) at a point of the surface is the radiance towards ω_out per irradiance normal to a parallel beam from
-/// ω_in on the whole yarn, 1/sr (preprint 63, section 3). It holds the yarn's own shade, so that no cosine of the light is
-/// owed when it shades, and it is defined for light from the whole sphere. Ballistic light is no part of it.
+/// f*(ω_in, ω_out) at a point of the surface is the radiance towards ω_out per irradiance normal to a parallel beam
+/// from ω_in on the whole yarn, 1/sr (preprint 63, section 3). It is defined for ω_in on the whole sphere and already
+/// includes self-shadowing and the foreshortening of the light: do not multiply it by the cosine of incidence.
+/// Ballistic light is not included.
 #[derive(Clone, Debug, PartialEq)]
 pub struct YarnResponse {
     grid: YarnResponseGrid,
@@ -19,10 +20,10 @@ pub struct YarnResponse {
 }
 
 impl YarnResponse {
-    /// f* and transfer from their values with wavelength fastest, in the order of the axes.
+    /// f* and transfer from their values in the order of the axes, wavelength fastest.
     ///
     /// # Errors
-    /// As many values as the grid does not have.
+    /// [`YarnError::Values`] if the number of values does not match the grid.
     pub fn new(
         grid: YarnResponseGrid,
         wavelengths: usize,
@@ -44,7 +45,7 @@ impl YarnResponse {
         })
     }
 
-    /// Of a yarn that scatters nothing.
+    /// Response of a yarn that scatters nothing.
     pub fn zeros(grid: YarnResponseGrid, wavelengths: usize) -> Self {
         Self {
             grid,
@@ -53,7 +54,7 @@ impl YarnResponse {
         }
     }
 
-    /// f* by its cell (tilt, azimuth, exit cell) and wavelength, with no transfer: of test problems whose answer is known.
+    /// f* from a function of (tilt, azimuth, exit cell, wavelength), with zero transfer; for problems with a known f*.
     pub fn from_fn(grid: YarnResponseGrid, wavelengths: usize, mut factor: impl FnMut([usize; 4]) -> f64) -> Self {
         Self {
             factor: Array4::from_shape_fn(factor_shape(&grid, wavelengths), |(tilt, azimuth, exit, w)| {
@@ -71,14 +72,15 @@ impl YarnResponse {
         self.factor.dim().3
     }
 
-    /// f*, 1/sr, means over cells: tilt of the light, azimuth of the surface point from the light, exit cell, wavelength.
+    /// f*, 1/sr, means over cells. Axes: tilt of the light, azimuth of the surface point from the light, exit cell,
+    /// wavelength.
     pub fn factor(&self) -> &Array4<f64> {
         &self.factor
     }
 
-    /// Of all light of a tilt, the fraction that enters at an entry cell of the section or its mirror image, scatters, and
-    /// leaves on the same (0) or the opposite side (1) of the light's meridian at an azimuth: tilt, entry, side, azimuth,
-    /// wavelength.
+    /// Yarn transfer: fraction of all light of a tilt that enters at an entry cell of the section or its mirror image,
+    /// scatters, and leaves at an azimuth on the same (0) or the opposite side (1) of the light's meridian. Axes: tilt,
+    /// entry, side, azimuth, wavelength.
     pub fn transfer(&self) -> &Array5<f64> {
         &self.transfer
     }
@@ -93,12 +95,12 @@ impl YarnResponse {
         self.transfer.as_slice().expect(STANDARD_LAYOUT)
     }
 
-    /// The same values, taken out.
+    /// The same as [`Self::values`], by value.
     pub fn into_values(self) -> Vec<f64> {
         self.factor.into_raw_vec_and_offset().0
     }
 
-    /// Both, to be tallied into.
+    /// Values of f* and of the transfer, for tallying.
     pub(super) fn values_mut(&mut self) -> [&mut [f64]; 2] {
         [
             self.factor.as_slice_mut().expect(STANDARD_LAYOUT),
@@ -111,8 +113,9 @@ impl YarnResponse {
         &self.values()[cell * self.wavelengths()..][..self.wavelengths()]
     }
 
-    /// f* at each wavelength, 1/sr, between the nodes of the table: at a point whose tangent, axis and outward normal are
-    /// x, y and z, for light from anywhere on the sphere and a viewer above the surface.
+    /// f* at each wavelength, 1/sr, interpolated between the nodes of the table. Unit vectors are in the local frame of
+    /// the surface point: x tangent, y axis, z outward normal. `omega_in` may be anywhere on the sphere; `omega_out`
+    /// must be above the surface.
     pub fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Vec<f64> {
         let seen = self.grid.surface().exit().bilinear(omega_out);
         let mut sum = vec![0.0; self.wavelengths()];
@@ -122,7 +125,7 @@ impl YarnResponse {
         sum
     }
 
-    /// Of the light of a tilt cell that meets the yarn, the fraction that leaves it scattered, at each wavelength.
+    /// Fraction of the light meeting the yarn that leaves it scattered, for a tilt cell, at each wavelength.
     pub fn albedo(&self, tilt: usize) -> Vec<f64> {
         let exits = self.grid.surface().exit().cells();
         let mut sum = vec![0.0; self.wavelengths()];

@@ -3,26 +3,26 @@ use super::{SurfaceGrid, YarnError, YarnResponseGrid};
 use crate::fault::{self, Fault};
 use crate::geometry::{CellFinder, Sectors, Vec3};
 
-/// Where a path's light stands about the yarn.
+/// Incident direction of a path relative to the yarn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightSide {
-    /// Towards it in the plane across the yarn, of any length.
+    /// Components towards the light in the plane normal to the axis; the length is arbitrary.
     pub x: f64,
     pub z: f64,
-    /// Its tilt cell.
+    /// Tilt cell of the light.
     pub tilt: usize,
-    /// It comes from −y.
+    /// Whether the light comes from −y.
     pub axis_reversed: bool,
 }
 
-/// Finds the cell of a yarn response that light belongs to.
+/// Finds the cells of a yarn response for incident and exiting light.
 #[derive(Clone, Debug)]
 pub(super) struct ResponseCells {
     grid: YarnResponseGrid,
     around: Sectors,
     entry: Sectors,
     exit: CellFinder,
-    /// Of the edges between tilt cells.
+    /// sin ψ at the edges between tilt cells.
     sines: Vec<f64>,
 }
 
@@ -43,7 +43,7 @@ impl ResponseCells {
         self.sines.iter().map(|edge| usize::from(sine >= *edge)).sum()
     }
 
-    /// Cell of light that leaves at a surface `normal` along `direction`.
+    /// Cell of light that leaves at a surface point with outward `normal` along the unit vector `direction`.
     #[inline(always)]
     pub fn cell(&self, light: &LightSide, normal: &Vec3, direction: &Vec3) -> usize {
         let (azimuth, mirrored) = azimuth(&self.around, light, normal);
@@ -61,7 +61,7 @@ impl ResponseCells {
         self.grid.cell(light.tilt, azimuth, self.exit.cell(&local))
     }
 
-    /// Passage of light that comes in as [`Self::entry`] says and leaves at a point of the section.
+    /// Transfer cell of light that enters as given by [`Self::entry`] and leaves at a point of the section.
     #[inline(always)]
     pub fn transfer_cell(&self, light: &LightSide, (entered, entry_mirrored): (usize, bool), exit: &Vec3) -> usize {
         let (azimuth, exit_mirrored) = azimuth(&self.around, light, exit);
@@ -69,8 +69,8 @@ impl ResponseCells {
             .transfer_cell(light.tilt, entered, entry_mirrored != exit_mirrored, azimuth)
     }
 
-    /// Entry cell of light that comes in at a point of the section, along its normal of any length, and whether that is on the side of
-    /// negative azimuth.
+    /// Entry cell of light that enters at the point of the section with outward `normal` (of any length), and whether
+    /// that point is on the side of negative azimuth.
     #[inline(always)]
     pub fn entry(&self, light: &LightSide, normal: &Vec3) -> (usize, bool) {
         let (azimuth, mirrored) = azimuth(&self.entry, light, normal);
@@ -78,7 +78,7 @@ impl ResponseCells {
     }
 }
 
-/// Which of the sectors a point of the section lies in, seen from the light, and whether it is on the side of negative azimuth.
+/// Sector of a point of the section, counted from the light, and whether it is on the side of negative azimuth.
 #[inline(always)]
 fn azimuth(sectors: &Sectors, light: &LightSide, normal: &Vec3) -> (usize, bool) {
     let across = normal.x * light.z - normal.z * light.x;

@@ -3,8 +3,8 @@ use crate::fault::{self, Fault};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Axes of a yarn response. By the cylinder's symmetry f*(ω_in, ω_out) depends on the light's tilt out of the
-/// yarn's normal plane, on the azimuth of the surface point from the light, and on ω_out; both mirrors fold the table
-/// to tilts 0..90° and azimuths 0..180°. All axes are cells, and a table holds means over them.
+/// yarn's normal plane, on the azimuth of the surface point from the light, and on ω_out. The two mirror planes reduce
+/// the table to tilts 0..90° and azimuths 0..180°. All axes are divided into cells; a table holds means over cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct YarnResponseGrid {
     tilts: usize,
@@ -14,7 +14,10 @@ pub struct YarnResponseGrid {
 pub(super) const ENTRIES: usize = 9;
 
 impl YarnResponseGrid {
-    /// `tilts` is 1 or more.
+    /// `tilts` is the number of tilt cells.
+    ///
+    /// # Errors
+    /// [`YarnError::Count`] if `tilts` is 0.
     pub fn new(tilts: usize, surface: SurfaceGrid) -> Result<Self, YarnError> {
         if tilts == 0 {
             return Err(YarnError::Count {
@@ -43,33 +46,35 @@ impl YarnResponseGrid {
         self.tilts * self.azimuths() * self.surface.exit.cells()
     }
 
-    /// Cells of a quarter of the section, from the light's meridian to where the light grazes: light comes in at one of them or
-    /// at its mirror image. They are 10° wide whatever the grid: a yarn's light between yarns is the same with narrower ones.
+    /// Number of entry cells on a quarter of the section, from the light's meridian to grazing incidence; light enters
+    /// at one of them or at its mirror image. They are 10° wide whatever the grid: narrower cells do not change the
+    /// light between yarns.
     pub fn entries(&self) -> usize {
         ENTRIES
     }
 
-    /// Azimuths from the light's meridian between which entry cell k lies, radians.
+    /// Limits of entry cell k, as azimuths from the light's meridian, radians.
     pub fn entry_edges(&self, k: usize) -> [f64; 2] {
         [k, k + 1].map(|edge| edge as f64 * FRAC_PI_2 / self.entries() as f64)
     }
 
-    /// Cells of a table of where light that came in at one place of the section leaves: (tilt, entry, side, azimuth).
+    /// Number of cells of the yarn transfer: (tilt, entry, side, azimuth).
     pub fn transfer_cells(&self) -> usize {
         self.tilts * self.entries() * 2 * self.azimuths()
     }
 
-    /// Number of the transfer cell (tilt, entry, side, azimuth): light that leaves on the `opposite` side of the light's meridian or on its own.
+    /// Index of the transfer cell (tilt, entry, side, azimuth). `opposite`: light leaves on the other side of the
+    /// light's meridian than it entered.
     pub fn transfer_cell(&self, tilt: usize, entry: usize, opposite: bool, azimuth: usize) -> usize {
         ((tilt * self.entries() + entry) * 2 + usize::from(opposite)) * self.azimuths() + azimuth
     }
 
-    /// Middle of tilt cell k, radians.
+    /// Centre of tilt cell k, radians.
     pub fn tilt(&self, k: usize) -> f64 {
         (k as f64 + 0.5) * FRAC_PI_2 / self.tilts as f64
     }
 
-    /// Tilts between which cell k lies, radians.
+    /// Limits of tilt cell k, radians.
     pub fn tilt_edges(&self, k: usize) -> [f64; 2] {
         [k, k + 1].map(|edge| edge as f64 * FRAC_PI_2 / self.tilts as f64)
     }
@@ -85,9 +90,9 @@ impl YarnResponseGrid {
         (tilt * self.azimuths() + azimuth) * self.surface.exit.cells() + exit
     }
 
-    /// f* in a cell per fraction of the flux of all light of the tilt's cell that leaves through it, 1/sr: radiance of the
-    /// cell over irradiance normal to the beam, for flux 2R cos ψ per length of yarn and both mirror images of the
-    /// cell, 2 RΔφ long.
+    /// Factor from the fraction of a tilt cell's flux that leaves through a cell to f* of that cell, 1/sr: radiance
+    /// over irradiance normal to the beam, for an incident flux 2R cos ψ per length of yarn and the arc 2 RΔφ of the
+    /// cell and its mirror image.
     pub fn response_per_fraction(&self, tilt: usize, exit: usize) -> f64 {
         let width = TAU / self.surface.azimuths as f64;
         let cosine = match fault::active(Fault::FactorOverCosine) {
@@ -97,16 +102,16 @@ impl YarnResponseGrid {
         cosine / (width * self.surface.exit.projected_solid_angle(exit))
     }
 
-    /// Of all light of the tilt's cell, the fraction per ∫∫ (fraction of the flux on a patch) cos α dω, as in
-    /// [`Self::response_per_light`].
+    /// Factor from ∫∫ (fraction of the flux on a patch) cos α dω, as in [`Self::response_per_light`], to the fraction
+    /// of all light of the tilt cell.
     pub(super) fn fraction_per_light(&self, tilt: usize) -> f64 {
         let tilt_width = FRAC_PI_2 / self.tilts as f64;
         0.25 / (tilt_width * self.mean_cosine(tilt))
     }
 
-    /// f* in a cell per ∫∫ (fraction of the flux on a patch that leaves through it) cos α dω, 1/sr: the sum of the BSSRDF
-    /// over the lit surface, mean over the tilts of the cell. α is the light's azimuth from the patch's normal, and ω runs over
-    /// the whole hemisphere of the patch, which holds each tilt twice.
+    /// Factor from ∫∫ (fraction of the flux on a patch that leaves through a cell) cos α dω to f* of that cell, 1/sr.
+    /// This integrates the BSSRDF over the lit surface and averages over the tilts of the cell. α is the light's
+    /// azimuth from the patch's normal; ω covers the whole hemisphere of the patch, which contains each tilt twice.
     pub(super) fn response_per_light(&self, exit: usize) -> f64 {
         let width = TAU / self.surface.azimuths as f64;
         let tilt_width = FRAC_PI_2 / self.tilts as f64;

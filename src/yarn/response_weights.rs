@@ -3,11 +3,11 @@ use super::{YarnResponse, YarnResponseGrid};
 use crate::geometry::{Bilinear, Vec3};
 use std::iter::zip;
 
-/// Weights of the cells of a yarn response whose weighted sum is a mean of f* over many pairs of directions.
-/// They know no wavelength, no medium, and no value of f*: any response on the same grid may be summed with them.
+/// Weights of the cells of a yarn response whose weighted sum is a mean of f* over many pairs of directions. They
+/// depend on directions only, not on wavelength, medium or f*, so they apply to any response on the same grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseWeights {
-    /// Ascending.
+    /// Indices of the cells, ascending.
     cells: Vec<u32>,
     weights: Vec<f64>,
 }
@@ -25,11 +25,11 @@ impl ResponseWeights {
     }
 }
 
-/// Adds up, cell by cell, the weights of the interpolation of f* at many pairs of directions.
+/// Accumulates, cell by cell, the interpolation weights of f* at many pairs of directions.
 pub struct WeightTally {
     interpolation: Interpolation,
     weights: Vec<f64>,
-    /// A bit for each cell that was added to.
+    /// One bit for each cell: set once the cell has a weight.
     touched: Vec<u64>,
 }
 
@@ -42,7 +42,8 @@ impl WeightTally {
         }
     }
 
-    /// Adds the weights of a pair of directions, local as in [`YarnResponse::eval`], the viewer's on the exit grid.
+    /// Adds the weights of a pair of directions: `omega_in` in the local frame of [`YarnResponse::eval`], and the view
+    /// direction as `seen` on the exit grid.
     #[inline]
     pub fn add(&mut self, omega_in: &Vec3, seen: &Bilinear) {
         let (weights, touched) = (&mut self.weights, &mut self.touched);
@@ -52,7 +53,7 @@ impl WeightTally {
         });
     }
 
-    /// The sums times `factor`; leaves the tally empty.
+    /// Returns the sums times `factor` and empties the tally.
     pub fn drain(&mut self, factor: f64) -> ResponseWeights {
         let count = self.touched.iter().map(|bits| bits.count_ones() as usize).sum();
         let mut cells = Vec::with_capacity(count);

@@ -5,40 +5,41 @@ use crate::geometry::Vec3;
 use crate::optics::fresnel::{self, Interface};
 use std::f64::consts::{PI, TAU};
 
-/// How a yarn scatters light that meets it, by a table of f* and one of where on the section light leaves that came in
-/// at one place of it. The direction in which particles leave a place is taken as that of all light that leaves there, as f* has it,
-/// wherever it came in; and they leave at the place along the yarn where they came in.
+/// Sampler of a yarn's scattering, built from its f* and its transfer table (which maps the azimuth of entry on the
+/// section to the azimuth of exit). Two approximations: the exit direction depends on the exit point alone, with the
+/// distribution given by f*, not on the entry point; and light leaves at the position along the yarn where it entered.
 ///
-/// Directions and normals are components along (tangent, axis, normal) where the particle met the yarn; the normal of any
-/// other point of the section is (sin φ, 0, cos φ).
+/// Directions and normals are components along (tangent, axis, normal) where the particle met the yarn; the normal of
+/// any other point of the section is (sin φ, 0, cos φ).
 pub struct YarnSampler {
     grid: YarnResponseGrid,
     cells: ResponseCells,
     wavelengths: usize,
-    /// Of the light that enters at an entry cell and is not ballistic, the fraction that leaves at an azimuth cell:
+    /// Fraction of the non-ballistic light entering at an entry cell that leaves at an azimuth cell:
     /// transfer cell × wavelength.
     crossing: Vec<f64>,
-    /// Their sums over where light leaves: tilt × entry × wavelength.
+    /// Sums of `crossing` over the azimuth of exit: tilt × entry × wavelength.
     albedo: Vec<f64>,
-    /// Of the light that leaves at an azimuth cell or its mirror image, the fraction that leaves through an exit cell: cell × wavelength.
+    /// Fraction of the light leaving at an azimuth cell or its mirror image that leaves through an exit cell: cell ×
+    /// wavelength.
     leaving: Vec<f64>,
-    /// Running sums of the probability to choose an azimuth of an entry, and an exit cell of an azimuth; 1 at the end, or 0
-    /// where no light leaves.
+    /// Cumulative probabilities of the azimuth cell for each entry, and of the exit cell for each azimuth; the last is
+    /// 1, or 0 where no light leaves.
     azimuths_chosen: Vec<f64>,
     exits_chosen: Vec<f64>,
 }
 
-/// Light that meets a yarn.
+/// Incidence of light on a yarn, as cells of the response.
 #[derive(Clone, Copy, Debug)]
 pub struct Meeting {
     side: LightSide,
-    /// Its entry cell, numbered over the tilts.
+    /// Index of the entry cell over all tilts.
     entry: usize,
-    /// That within its tilt, and whether it is the one of two mirror images on the side of negative azimuth.
+    /// Index of the entry cell within its tilt, and whether the entry is on the side of negative azimuth.
     entered: (usize, bool),
 }
 
-/// Where, in what direction, and by which transfer cell and exit cell a particle leaves.
+/// Exit of a particle: position on the section, direction, transfer cell and exit cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Leaving {
     pub normal: Vec3,
@@ -48,25 +49,25 @@ pub struct Leaving {
     probability: f64,
 }
 
-/// Nodes over the sines of a tilt cell and over the width of the yarn, of a smooth integrand.
+/// Quadrature nodes over the sines of a tilt cell and over the width of the yarn; the integrand is smooth.
 const TILT_NODES: usize = 8;
 const WIDTH_NODES: usize = 72;
 
 impl YarnResponse {
-    /// Tables to draw by where on the section of `yarn`, and in what direction, scattered light leaves.
+    /// Builds the sampler of this response; `yarn` is the yarn in which it was traced.
     ///
     /// # Errors
-    /// None for the yarn this was traced in.
+    /// See [`YarnSampler::new`].
     pub fn sampler(&self, yarn: &Yarn) -> Result<YarnSampler, YarnError> {
         YarnSampler::new(yarn, self)
     }
 }
 
 impl YarnSampler {
-    /// Of the yarn that the response was traced in.
+    /// Builds the sampler of a response; `yarn` is the yarn in which it was traced.
     ///
     /// # Errors
-    /// A yarn with other wavelengths.
+    /// [`YarnError::Values`] if the yarn has another number of wavelengths than the response.
     pub fn new(yarn: &Yarn, response: &YarnResponse) -> Result<Self, YarnError> {
         let grid = *response.grid();
         let wavelengths = yarn.wavelengths();
@@ -140,12 +141,12 @@ impl YarnSampler {
         }
     }
 
-    /// Fraction of light that is neither reflected nor ballistic that is not absorbed, at each wavelength.
+    /// Albedo at each wavelength: scattered fraction of the light that is neither reflected nor ballistic.
     pub fn albedo(&self, meeting: &Meeting) -> &[f64] {
         &self.albedo[meeting.entry * self.wavelengths..(meeting.entry + 1) * self.wavelengths]
     }
 
-    /// Draws where a particle leaves, by three uniform random numbers; `None` for a yarn that scatters nothing.
+    /// Draws the exit of a particle from three uniform random numbers in [0, 1); `None` if the yarn scatters nothing.
     pub fn sample(&self, meeting: &Meeting, [u, v, w]: [f64; 3]) -> Option<Leaving> {
         let exit = self.grid.surface().exit();
         let exits = exit.cells();
@@ -156,7 +157,7 @@ impl YarnSampler {
             tilt,
             axis_reversed,
         } = meeting.side;
-        // What is left of a number places the particle inside the cell that it chose.
+        // The remainder of a random number, rescaled to [0, 1), gives the position inside the chosen cell.
         let at = Drawn::from(&self.azimuths_chosen[meeting.entry * 2 * azimuths..][..2 * azimuths], u)?;
         let (opposite, azimuth) = (at.cell >= azimuths, at.cell % azimuths);
         let mirrored = meeting.entered.1 != opposite;
@@ -185,8 +186,8 @@ impl YarnSampler {
         })
     }
 
-    /// Density with which [`Self::sample`] draws a point of the section and a direction there, per radian of azimuth and
-    /// steradian perpendicular to the direction; 0 for a yarn that scatters nothing.
+    /// Probability density with which [`Self::sample`] draws a point of the section and a direction there, per radian
+    /// of azimuth and per projected steradian (cosθ dω); 0 if the yarn scatters nothing.
     pub fn pdf(&self, meeting: &Meeting, normal: &Vec3, direction: &Vec3) -> f64 {
         let azimuths = self.grid.azimuths();
         let exit = self.grid.surface().exit();
@@ -202,15 +203,16 @@ impl YarnSampler {
         place * probability(exits, cell % exit.cells()) / (width * exit.projected_solid_angle(cell % exit.cells()))
     }
 
-    /// What the weights of light that is neither reflected nor ballistic are worth after the draw, at each wavelength.
+    /// Factors that a draw applies to the weights of light that is neither reflected nor ballistic, at each wavelength.
     pub fn worth(&self, leaving: &Leaving) -> impl Iterator<Item = f64> {
         let gain = if fault::active(Fault::BounceGain) { 1.03 } else { 1.0 };
         let share = gain / leaving.probability;
         self.rows(leaving.transfer, leaving.cell).map(move |x| x * share)
     }
 
-    /// Of light that is neither reflected nor ballistic, the fraction that leaves at a point of the section along a direction, per
-    /// radian of azimuth and steradian perpendicular to the direction, at each wavelength: over the surface per radian, the radiance.
+    /// Fraction of the light that is neither reflected nor ballistic that leaves at a point of the section along a
+    /// direction, per radian of azimuth and per projected steradian (cosθ dω), at each wavelength. Divided by the
+    /// surface area per radian it is the radiance.
     pub fn radiance(&self, meeting: &Meeting, normal: &Vec3, direction: &Vec3) -> impl Iterator<Item = f64> {
         let cell = self.cells.cell(&meeting.side, normal, direction);
         let transfer = self.cells.transfer_cell(&meeting.side, meeting.entered, normal);
@@ -220,7 +222,7 @@ impl YarnSampler {
         self.rows(transfer, cell).map(move |x| x * per)
     }
 
-    /// Fractions that leave at a place of the section, through a cell.
+    /// Fractions that leave at an azimuth of the section through an exit cell, at each wavelength.
     fn rows(&self, transfer: usize, cell: usize) -> impl Iterator<Item = f64> {
         let crossing = &self.crossing[transfer * self.wavelengths..][..self.wavelengths];
         let leaving = &self.leaving[cell * self.wavelengths..][..self.wavelengths];
@@ -228,7 +230,7 @@ impl YarnSampler {
     }
 }
 
-/// Sums over rows of as many wavelengths.
+/// Sum of rows, each with one value per wavelength.
 fn sum_of_rows(rows: &[f64], wavelengths: usize) -> Vec<f64> {
     let mut sums = vec![0.0; wavelengths];
     for row in rows.chunks_exact(wavelengths) {
@@ -237,7 +239,8 @@ fn sum_of_rows(rows: &[f64], wavelengths: usize) -> Vec<f64> {
     sums
 }
 
-/// Appends running sums of the probability to choose each row, in which each wavelength that leaves at all has an equal say.
+/// Appends the cumulative probabilities of the rows. The probability of a row is the mean, over wavelengths with any
+/// light, of the row's share at that wavelength.
 fn choose(rows: &[f64], wavelengths: usize, chosen: &mut Vec<f64>) {
     let whole = sum_of_rows(rows, wavelengths);
     let total = whole.iter().filter(|x| **x > 0.0).count().max(1) as f64;
@@ -252,14 +255,15 @@ fn choose(rows: &[f64], wavelengths: usize, chosen: &mut Vec<f64>) {
     }
 }
 
-/// With what probability running sums choose a cell.
+/// Probability of a cell, from cumulative probabilities.
 fn probability(sums: &[f64], cell: usize) -> f64 {
     let total = sums.last().copied().unwrap_or(0.0);
     let below = if cell == 0 { 0.0 } else { sums[cell - 1] };
     if total > 0.0 { (sums[cell] - below) / total } else { 0.0 }
 }
 
-/// A cell drawn by running sums of probability, and what is left of the uniform random number that chose it.
+/// A cell drawn from cumulative probabilities, and the remainder of the uniform random number that chose it, rescaled
+/// to [0, 1).
 struct Drawn {
     cell: usize,
     probability: f64,
@@ -281,9 +285,9 @@ impl Drawn {
     }
 }
 
-/// Of light that meets a straight yarn's surface as `entry` says, the fraction at wavelength number `w` that is neither reflected
-/// on the way in nor leaves without having met a particle: with reflectance r, alike at every hit, and transmittance x of the
-/// chord, 1 − r − (1 − r)² x/(1 − r x). `sine` of the tilt inside the yarn.
+/// Fraction of the light meeting a straight yarn that is neither reflected at entry nor ballistic, at wavelength index
+/// `w`. With reflectance r, the same at every hit, and unscattered transmittance x of one chord it is
+/// 1 − r − (1 − r)² x/(1 − r x). `entry` is the interface at the entry point, `sine` that of the tilt inside the yarn.
 pub fn kept_by_straight_yarn(yarn: &Yarn, w: usize, entry: &Interface, sine: f64) -> f64 {
     let medium = &yarn.medium;
     let across = 1.0 - sine.powi(2);
@@ -294,12 +298,12 @@ pub fn kept_by_straight_yarn(yarn: &Yarn, w: usize, entry: &Interface, sine: f64
     high * (entering - entering * entering * x / (1.0 - r * x))
 }
 
-/// Of all light of a tilt cell, the part that comes in between two azimuths from the light's meridian, or at their mirror image, and is
-/// kept, at each wavelength: its mean over the sines of the tilts.
+/// Fraction of all light of a tilt cell that enters between two azimuths from the light's meridian, or at their mirror
+/// images, and is neither reflected nor ballistic, at each wavelength. Mean over the sine of the tilt, radians.
 pub(crate) fn scattered_or_absorbed(yarn: &Yarn, tilts: [f64; 2], [from, to]: [f64; 2]) -> Vec<f64> {
     let medium = &yarn.medium;
     let [low, high] = tilts.map(f64::sin);
-    // The width as h = sin t, whose integrand stays smooth where the beam grazes.
+    // Substituting h = sin t keeps the integrand smooth at grazing incidence.
     let width_nodes = ((to - from) / (0.5 * PI) * WIDTH_NODES as f64).ceil() as usize;
     let step = (to - from) / width_nodes as f64;
     let mut kept = vec![0.0; medium.grid().len()];

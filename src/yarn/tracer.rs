@@ -3,12 +3,12 @@ use crate::geometry::Vec3;
 use crate::transport::{ENTRY_COORDINATES, Entry, Exit, Ledger, Purpose, Stream};
 use std::ops::Range;
 
-/// Light that paths begin with, in numbered parts: tilts of a beam, incident directions of a patch.
+/// Light source of the paths, divided into numbered parts: tilts of a beam, incident directions of a patch.
 pub(super) trait LightSource: Sync {
-    /// Keeps its random numbers apart from those of other sources.
+    /// Purpose of the random stream, which separates the random numbers of different sources.
     fn purpose(&self) -> Purpose;
 
-    /// Where and whence a path of a part meets the yarn, by uniform random numbers; the first is stratified over the paths.
+    /// Entry of a path of a part, from uniform random numbers in [0, 1); the first is stratified over the paths.
     fn entry(&self, part: usize, uniform: &[f64; ENTRY_COORDINATES]) -> Entry;
 }
 
@@ -42,13 +42,13 @@ impl<'a, S: LightSource> Tracer<'a, S> {
         self.effort.paths_per_batch
     }
 
-    /// What one path is worth of the light of a part.
+    /// Fraction of the light of a part that one path represents.
     pub fn share_of_path(&self) -> f64 {
         1.0 / self.effort.paths_per_batch as f64
     }
 
-    /// Traces one part of a batch. `tally` gets each exit with the numbers of the wavelengths that its weights are of. The
-    /// ledgers are fractions of the part's light, one for each wavelength.
+    /// Traces one part of a batch. `tally` receives each exit and the range of wavelengths its weights apply to.
+    /// Returns one ledger for each wavelength, as fractions of the part's light.
     pub fn part(&self, batch: usize, part: usize, mut tally: impl FnMut(&Exit<'_>, Range<usize>)) -> Vec<Ledger> {
         let share = self.share_of_path();
         let mut ledgers = Vec::with_capacity(self.wavelengths());
@@ -67,14 +67,14 @@ impl<'a, S: LightSource> Tracer<'a, S> {
     }
 }
 
-/// Parallel beams over the whole width of a yarn. A part is a band of tilts between two sines, in which beams are even in
-/// the sine: the same radiance from all of that band of sky.
+/// Parallel beams over the whole width of a yarn. A part is a band of tilts between two sines, over which beams are
+/// uniform in sin ψ: uniform radiance from that band of directions.
 pub(super) struct Beam {
     pub purpose: Purpose,
     pub radius_mm: f64,
-    /// Of each part.
+    /// Limits of sin ψ of each part.
     pub sines: Vec<[f64; 2]>,
-    /// From both sides of the plane normal to the yarn, or from +y alone.
+    /// Whether light comes from both sides of the plane normal to the yarn, or from +y alone.
     pub both_sides: bool,
 }
 
