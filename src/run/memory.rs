@@ -29,14 +29,14 @@ pub const BATCHES_UNDER_WAY: usize = 4;
 /// Bytes that are taken for free where the system does not say.
 const UNKNOWN_FREE: f64 = 4e9;
 /// Bytes of program, cloth and built-in tables.
-const PROGRAM: f64 = 35e6;
+const PROGRAM: f64 = 28e6;
 /// Bytes of a camera ray's end with its place among the exit directions, and of an end of a view's ray with its position.
 const CAMERA_RAY: f64 = 320.0;
 const SIGHT: f64 = 170.0;
 /// Rays of a view where light goes from yarn to yarn, at most.
 const SIGHTS: f64 = 4096.0;
 /// Cells of f* that a camera ray weighs, and bytes of each.
-const CELLS_OF_RAY: f64 = 11.0;
+const CELLS_OF_RAY: f64 = 10.0;
 const WEIGHT: f64 = 12.0;
 /// Bytes of a cell of f* of one wavelength, and of its weight.
 const WHITE: f64 = 16.2;

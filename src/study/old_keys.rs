@@ -89,10 +89,11 @@ impl FormerKey {
     pub fn apply(&self, study: &mut toml::Table) -> Option<OldKey> {
         let (old_section, key) = (self.section, self.field.key);
         let section = study.get_mut(old_section)?.as_table_mut()?;
-        let old = section.remove(key)?;
+        let old = section.remove(key);
         if section.is_empty() {
             study.remove(old_section);
         }
+        let old = old?;
         let now = match &self.now {
             Now::Renamed { section, key, text } => {
                 let value = old.as_str().map(|old| toml::Value::from(text(old))).unwrap_or(old);

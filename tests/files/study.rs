@@ -108,7 +108,7 @@ fn a_cloth_that_cannot_be_is_refused_by_its_key() {
             "cloth.sinusoid_amplitude_mm",
             false,
         ),
-        ("[cloth]\nrepeats = 256\n", "cloth.repeats", false),
+        ("[cloth]\nweave = \"satin-5\"\nrepeats = 60\n", "cloth.repeats", false),
     ] {
         let message = plan_error(text, nowhere);
         let line = 1 + text
