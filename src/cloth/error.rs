@@ -1,6 +1,6 @@
 use super::System;
 
-/// Why a draft or a cloth cannot be.
+/// Invalid draft or cloth.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ClothError {
     #[error("the draft is empty: it needs at least one row (weft) and one column (warp)")]
@@ -35,7 +35,7 @@ pub enum ClothError {
     Overlap {
         first: String,
         second: String,
-        /// The system of both, where they run side by side; none where they cross.
+        /// The system of both yarns if they are neighbours; `None` if they cross.
         neighbours: Option<System>,
         overlap_mm: f64,
         remedy: &'static str,
