@@ -9,9 +9,11 @@
 //! ```
 //!
 //! Three rearrangements keep the digits those formulas lose in double precision:
-//! * D_n(z) = (n+1)/z − z r_n(z) with r_n = 1/(2n+3 − z² r_{n+1}), iterated downwards. The large (n+1)/z of the inside and
+//! * D_n(z) = (n+1)/z − z r_n(z) with r_n = 1/(2n+3 − z² r_{n+1}), iterated downwards. The large (n+1)/z of the inside
+//! and
 //!   the outside then cancel on paper, so spheres down to x = 1e-6 need no separate expansion.
-//! * Re a_n − |a_n|² = −Im A_n / |A_n ξ_n − ξ_n'|², by the Wronskian of ψ and χ. Absorption is a sum of terms of one sign,
+//! * Re a_n − |a_n|² = −Im A_n / |A_n ξ_n − ξ_n'|², by the Wronskian of ψ and χ. Absorption is a sum of terms of one
+//! sign,
 //!   never a difference of extinction and scattering; it is exactly 0 for a real m.
 //! * Beyond n = x, ψ_n follows from r_n, χ_n and the Wronskian, not from its unstable upward recurrence.
 //!
@@ -125,7 +127,8 @@ impl Mie {
     }
 
     /// Amplitudes (S1, S2) for light polarised across and along the scattering plane at a scattering angle of the given
-    /// cosine, −1..=1 (Bohren and Huffman 4.74). dC_sca/dΩ = |S|²/k² with k = 2π n_host/λ; S1 = S2 at 0°, S1 = −S2 at 180°.
+    /// cosine, −1..=1 (Bohren and Huffman 4.74). dC_sca/dΩ = |S|²/k² with k = 2π n_host/λ; S1 = S2 at 0°, S1 = −S2 at
+    /// 180°.
     pub fn amplitudes(&self, cos_theta: f64) -> (Complex64, Complex64) {
         let (mut even, mut odd) = (Complex64::ZERO, Complex64::ZERO);
         let (mut pi, mut pi_below) = (1.0, 0.0);
@@ -297,7 +300,8 @@ struct Outside {
 
 impl Outside {
     fn new(x: f64) -> Self {
-        // Orders up to where ψ_n/χ_n is below 1e-16 (Airy asymptotics of the transition region; Wiscombe's 4.05 reaches 1e-7).
+        // Orders up to where ψ_n/χ_n is below 1e-16 (Airy asymptotics of the transition region; Wiscombe's 4.05 reaches
+        // 1e-7).
         let last = (x + 7.0 * x.cbrt() + 5.0).ceil() as usize;
         let turn = (x.ceil() as usize).max(1);
         let (sin, cos) = x.sin_cos();
