@@ -11,7 +11,7 @@ pub enum CentreLineKind {
     Sinusoid { amplitude_mm: f64 },
 }
 
-/// All parameters of a cloth's geometry. [`Cloth::new`] validates them.
+/// All parameters of a cloth's geometry. [`Cloth::new`](crate::cloth::Cloth::new) validates them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClothSpec {
     pub weave: Weave,

@@ -1,10 +1,10 @@
 //! Directional-hemispherical values: ∫ f cos θ_out dω_out, adaptively in the parameters a table is stored in.
 //!
-//! The hemisphere is cut at the table's own nodes and at the horizon, so that the integrand is smooth on every cell and no lobe
-//! that the table resolves is missed. A cell is integrated by the tensor rules of Gauss and Legendre of 3 and of 2 points a side;
-//! the difference is the estimate of its error, far above the error of the 3-point rule that is kept. The cell of the largest
-//! error is cut in four until the errors add up to [`TOLERANCE`]. Klems patches and the leaves of tensor trees are constant, and
-//! their sum is exact.
+//! The hemisphere is cut at the table's own nodes and at the horizon, so that the integrand is smooth on every cell and
+//! no lobe that the table resolves is missed. A cell is integrated by the tensor rules of Gauss and Legendre of 3 and
+//! of 2 points a side; the difference is the estimate of its error, far above the error of the 3-point rule that is
+//! kept. The cell of the largest error is cut in four until the errors add up to [`TOLERANCE`]. Klems patches and the
+//! leaves of tensor trees are constant, and their sum is exact.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -19,9 +19,9 @@ use super::scattered::{Directions, Scattered};
 use super::warped::Warped;
 use crate::geometry::Vec3;
 
-/// Estimated error at which cells are no longer cut, of the largest channel's value.
+/// Estimated error, relative to the largest channel's value, at which refinement stops.
 const TOLERANCE: f64 = 3e-5;
-/// Cells at most; what is left of the error is then stated.
+/// Largest number of cells; the remaining error is reported.
 const MOST_CELLS: usize = 20_000;
 /// Widest cell about the axis, in radians.
 const WIDEST: f64 = PI / 12.0;
@@ -36,18 +36,18 @@ const GAUSS_3: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
 
-/// ∫ f cos θ_out dω_out of light from one direction.
+/// Directional-hemispherical value ∫ f cos θ_out dω_out for light from one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hemispherical {
     /// One a channel.
     pub values: Vec<f64>,
     /// Estimated errors of the integration, one a channel; 0 where it is exact.
     pub errors: Vec<f64>,
-    /// Share of the projected hemisphere that was measured; the rest counts as 0.
+    /// Fraction of the projected hemisphere that was measured; the rest counts as 0.
     pub measured: f64,
 }
 
-/// How two numbers say where light leaves to.
+/// Parametrisation of the outgoing direction by two numbers.
 #[derive(Clone, Copy)]
 enum Chart {
     /// Polar angle and azimuth.
@@ -139,7 +139,7 @@ fn sort(limits: &mut Vec<f64>) {
     limits.dedup_by(|a, b| *a - *b < 1e-9);
 }
 
-/// With even cuts where limits are farther apart than [`WIDEST`].
+/// Adds uniform cuts where limits are farther apart than [`WIDEST`].
 fn filled(limits: &[f64]) -> Vec<f64> {
     let mut all = vec![limits[0]];
     for pair in limits.windows(2) {
@@ -173,7 +173,7 @@ impl PartialOrd for Cell {
     }
 }
 
-/// By error; ties by place, so that the order is always the same.
+/// Ordered by error, ties by position, so that the order is deterministic.
 impl Ord for Cell {
     fn cmp(&self, other: &Self) -> Ordering {
         let place = |c: &Self| [c.polar[0], c.around[0]];
@@ -211,7 +211,7 @@ impl Integral<'_> {
                 let Some((mut values, _)) = self.component.table.eval(&self.omega_in, &out) else {
                     continue;
                 };
-                // What holds the cosine is not divided by it only to be multiplied again.
+                // Values that include the cosine are used as they are.
                 let factor = match self.component.quantity {
                     Quantity::BsdfCosine => projected / out.z,
                     Quantity::BrightnessFactor => projected / PI,
@@ -245,7 +245,7 @@ impl Integral<'_> {
         }
     }
 
-    /// Cells whose errors add up to the tolerance, or as many as may be.
+    /// Refines until the errors of the cells sum to the tolerance, or the largest number of cells is reached.
     fn cells(&self) -> Vec<Cell> {
         let mut heap = BinaryHeap::new();
         for polar in self.cut.polar.windows(2) {
@@ -275,8 +275,8 @@ impl Integral<'_> {
 }
 
 impl Component {
-    /// ∫ f cos θ_out dω_out per channel for light from a polar angle and azimuth in radians. `None` where nothing was measured
-    /// over solid angle, or where the quantity has no f.
+    /// ∫ f cos θ_out dω_out per channel for light from a polar angle and azimuth in radians. `None` where nothing was
+    /// measured over solid angle, or where the quantity has no f.
     pub fn directional_hemispherical(&self, theta_i_rad: f64, phi_i_rad: f64) -> Option<Hemispherical> {
         if matches!(self.quantity, Quantity::Fraction | Quantity::Unscaled) {
             return None;
@@ -308,8 +308,8 @@ impl Component {
             sums.values.iter_mut().zip(cell.sums).for_each(|(sum, v)| *sum += v);
             sums.errors.iter_mut().zip(cell.errors).for_each(|(sum, e)| *sum += e);
         }
-        // The same rule gives the projected hemisphere, to an error far below any gap of a table. The ratio to it is exact where f is
-        // constant.
+        // The same rule gives the projected hemisphere, to an error far below any gap of a table. The ratio to it is
+        // exact where f is constant.
         sums.measured /= PI;
         if (sums.measured - 1.0).abs() < 1e-4 {
             sums.values.iter_mut().for_each(|v| *v /= sums.measured);
@@ -332,9 +332,9 @@ impl Component {
         })
     }
 
-    /// Points all over the hemisphere of outgoing directions (upright, as tables know them), light being from above: direction,
-    /// cos θ dω, and f cos θ dω a channel. Their sums are [`Self::directional_hemispherical`] to the error of that. Nothing of tables that are constant
-    /// on cells, nor where nothing was measured.
+    /// Points all over the hemisphere of outgoing directions (upright, as tables know them), light being from above:
+    /// direction, cos θ dω, and f cos θ dω a channel. Their sums are [`Self::directional_hemispherical`] to the error
+    /// of that. Nothing of tables that are constant on cells, nor where nothing was measured.
     pub(crate) fn visit_hemisphere(&self, theta_i: f64, phi_i: f64, mut visit: impl FnMut(&Vec3, f64, &[f64])) {
         let Some(integral) = self.integral(theta_i, phi_i) else {
             return;

@@ -25,7 +25,7 @@ pub struct Direct<'a> {
 /// the rig and the axes of the tables, so one batch can be shaded with the tables of many media.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraBatch {
-    /// Weights at [beam][view].
+    /// Weights at `[beam][view]`.
     seen: Vec<Vec<SeenCloth>>,
 }
 
@@ -116,7 +116,7 @@ impl<'a> Direct<'a> {
 }
 
 impl CameraBatch {
-    /// Diffuse β at [beam][view][wavelength] for yarns with the given responses; number and grid must be those of
+    /// Diffuse β at `[beam][view][wavelength]` for yarns with the given responses; number and grid must be those of
     /// [`Direct`].
     pub fn shade(&self, responses: &[YarnResponse]) -> Vec<Vec<Vec<f64>>> {
         let wavelengths = responses.first().map_or(0, YarnResponse::wavelengths);

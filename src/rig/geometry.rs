@@ -70,7 +70,7 @@ impl BeamsOfRig {
         self.places.iter().filter_map(|places| places.first().copied())
     }
 
-    /// Sums the results of several integrators: β at [geometry][wavelength].
+    /// Sums the results of several integrators: β at `[geometry][wavelength]`.
     pub fn sum<'b>(&self, parts: impl IntoIterator<Item = &'b LitBatch>, wavelengths: usize) -> Vec<Vec<f64>> {
         let mut sums = vec![vec![0.0; wavelengths]; self.geometries];
         for (part, places) in parts.into_iter().zip(self.places.iter().cycle()) {

@@ -35,7 +35,7 @@ impl Beam {
 pub struct ClothBatch {
     /// Ledger at each wavelength.
     pub ledger: Vec<ClothLedger>,
-    /// Fraction of the beam that the detector's bins caught: [bin][wavelength].
+    /// Fraction of the beam that the detector's bins caught: `[bin][wavelength]`.
     pub caught: Vec<Vec<f64>>,
 }
 
@@ -51,7 +51,7 @@ pub struct LitViews {
 /// Result of one batch at the views of one beam.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LitBatch {
-    /// Brightness factor, π L/(E⊥ cosθ_i), at [view][wavelength].
+    /// Brightness factor, π L/(E⊥ cosθ_i), at `[view][wavelength]`.
     pub beta: Vec<Vec<f64>>,
     /// Ledger at each wavelength; empty if the light is not traced beyond the first yarn.
     pub ledger: Vec<ClothLedger>,

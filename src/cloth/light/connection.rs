@@ -48,10 +48,10 @@ impl YarnToYarn<'_> {
         self.trace(beam, detector, None, batch, particles)
     }
 
-    /// Brightness factor at [view][wavelength] of all light except what the first yarn scatters straight to the view as
-    /// a straight yarn would; and the ledger of all light. Scattered light is connected to the vertices of the view's
-    /// camera rays, light reflected by fibres to the view at the point of reflection. Light last deflected by a smooth
-    /// interface has no density in direction, so it is counted in the cones.
+    /// Brightness factor at `[view][wavelength]` of all light except what the first yarn scatters straight to the view
+    /// as a straight yarn would; and the ledger of all light. Scattered light is connected to the vertices of the
+    /// view's camera rays, light reflected by fibres to the view at the point of reflection. Light last deflected by a
+    /// smooth interface has no density in direction, so it is counted in the cones.
     pub fn between(
         &self,
         beam: &Beam,
@@ -93,7 +93,7 @@ impl YarnToYarn<'_> {
     }
 
     /// Light scored by `detector` that only smooth interfaces deflect (specular paths), as a fraction of the beam:
-    /// [bin][wavelength].
+    /// `[bin][wavelength]`.
     pub fn straight<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> Vec<Vec<f64>> {
         SpecularPaths::new(self).caught(beam, detector, batch, STRAIGHT * particles)
     }

@@ -34,7 +34,7 @@ impl<'a> SpecularPaths<'a> {
         }
     }
 
-    /// Light scored by `detector`, as a fraction of the beam: [bin][wavelength].
+    /// Light scored by `detector`, as a fraction of the beam: `[bin][wavelength]`.
     pub fn caught<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> Vec<Vec<f64>> {
         let light = self.light;
         let mut rng = Stream::open(light.scene.seed, Purpose::Straight, beam.number, batch, 0);
