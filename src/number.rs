@@ -1,9 +1,11 @@
 //! Numbers as people write them, for messages, and as JSON documents have them.
 
-/// Significant digits of a number in a message: enough for any value that was typed, too few for the rounding of binary fractions.
+/// Significant digits of a number in a message: enough for any value that was typed, too few for the rounding of binary
+/// fractions.
 const DIGITS: usize = 10;
 
-/// A number for a message: 10 significant digits without zeros at the end, and an exponent where it is below 1e-5 or from 1e7 on.
+/// A number for a message: 10 significant digits without zeros at the end, and an exponent where it is below 1e-5 or
+/// from 1e7 on.
 pub fn shown(value: f64) -> String {
     if !value.is_finite() {
         return match value.is_nan() {

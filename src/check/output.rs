@@ -1,6 +1,6 @@
 //! A check as text, as JUnit XML and as annotations of GitHub's workflow commands: pure functions.
 
-use super::gate::{Gate, Verdict};
+use super::gate::{Gate, GateVerdict};
 use super::{CheckError, Checked};
 use crate::number::significant;
 use quick_xml::Writer;
@@ -29,7 +29,7 @@ pub fn table(checked: &Checked) -> String {
         );
     }
     for gate in &checked.gates {
-        if gate.verdict != Verdict::Holds || gate.note.is_some() {
+        if gate.verdict != GateVerdict::Holds || gate.note.is_some() {
             let _ = writeln!(text, "\n{}: {}\n  {}", gate.name, gate.law, gate.message());
         }
     }
@@ -52,9 +52,9 @@ pub fn table(checked: &Checked) -> String {
         text,
         "\n{}: {} hold, {} broken, {} undecided",
         checked.verdict.word(),
-        count(Verdict::Holds),
-        count(Verdict::Broken),
-        count(Verdict::Undecided)
+        count(GateVerdict::Holds),
+        count(GateVerdict::Broken),
+        count(GateVerdict::Undecided)
     );
     text
 }
@@ -67,8 +67,8 @@ pub fn junit(checked: &Checked) -> Result<Vec<u8>, CheckError> {
     };
     let totals = [
         ("tests", checked.gates.len().to_string()),
-        ("failures", count(Verdict::Broken)),
-        ("errors", count(Verdict::Undecided)),
+        ("failures", count(GateVerdict::Broken)),
+        ("errors", count(GateVerdict::Undecided)),
     ];
     let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
     writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
@@ -97,14 +97,14 @@ fn case(writer: &mut Writer<Vec<u8>>, gate: &Gate) -> std::io::Result<()> {
         .with_attributes([("classname", "specval.check"), ("name", gate.name)]);
     let message = gate.message();
     let outcome = match gate.verdict {
-        Verdict::Holds => "system-out",
-        Verdict::Broken => "failure",
-        Verdict::Undecided => "error",
+        GateVerdict::Holds => "system-out",
+        GateVerdict::Broken => "failure",
+        GateVerdict::Undecided => "error",
     };
     case.write_inner_content(|writer| {
         let element = writer.create_element(outcome);
         let element = match gate.verdict {
-            Verdict::Holds => element,
+            GateVerdict::Holds => element,
             _ => element.with_attributes([("message", message.as_str())]),
         };
         element.write_text_content(BytesText::new(&format!("{}: {message}", gate.law)))?;
@@ -118,9 +118,9 @@ pub fn annotations(checked: &Checked) -> String {
     let mut text = String::new();
     for gate in &checked.gates {
         let command = match gate.verdict {
-            Verdict::Holds => continue,
-            Verdict::Broken => "error",
-            Verdict::Undecided => "warning",
+            GateVerdict::Holds => continue,
+            GateVerdict::Broken => "error",
+            GateVerdict::Undecided => "warning",
         };
         let message = format!("{}: {}", gate.law, gate.message());
         let message = message.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");

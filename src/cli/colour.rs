@@ -10,17 +10,18 @@ use specval::spectrum::{Samples, SpectraFile, WavelengthGrid, plausibility};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// The perfect diffuser has Y = 1 and is the white of Lab. RGB is linear and never clipped. On 390..730 nm in steps of 10 nm or
-/// finer the sums run over exactly the wavelengths of the file; other data are interpolated, which is told.
+/// The perfect diffuser has Y = 1 and is the white of Lab. RGB is linear and never clipped. On 390..730 nm in steps of
+/// 10 nm or finer the sums run over exactly the wavelengths of the file; other data are interpolated, which is told.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Spectral brightness factors: CSV with the column wavelength_nm and one column a spectrum, or one column a wavelength; CGATS
-    /// text; or readings over incidence and view, as `measure` writes them.
+    /// Spectral brightness factors: CSV with the column wavelength_nm and one column a spectrum, or one column a
+    /// wavelength; CGATS text; or readings over incidence and view, as `measure` writes them.
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
     chosen: Chosen,
-    /// cie1931-2deg, cie1964-10deg, or a file of xbar, ybar, zbar [default: what a CGATS file states, else cie1931-2deg].
+    /// cie1931-2deg, cie1964-10deg, or a file of xbar, ybar, zbar [default: what a CGATS file states, else
+    /// cie1931-2deg].
     #[arg(long, value_parser = Observer::load)]
     observer: Option<Observer>,
     /// D65, D50, A, C, E, or a file of one spectrum [default: what a CGATS file states, else D65].
@@ -38,7 +39,7 @@ pub struct Arguments {
 struct NamedColour {
     name: String,
     #[serde(flatten)]
-    geometry: Option<Geometry>,
+    geometry: Option<CurveGeometry>,
     #[serde(flatten)]
     colour: Colour,
     observer: String,
@@ -54,7 +55,7 @@ struct NamedColour {
 }
 
 #[derive(Clone, Copy, Serialize)]
-struct Geometry {
+struct CurveGeometry {
     theta_i_deg: f64,
     theta_v_deg: f64,
 }
@@ -70,7 +71,7 @@ struct Spectra {
 
 struct Spectrum {
     name: String,
-    geometry: Option<Geometry>,
+    geometry: Option<CurveGeometry>,
     values: Vec<f64>,
     notices: Vec<String>,
 }
@@ -186,7 +187,7 @@ fn readings(path: &Path, chosen: Chosen) -> Result<Spectra, Failure> {
         let samples = Samples::new(&name, &grid, reading.beta.to_vec())?;
         all.push(Spectrum {
             name,
-            geometry: Some(Geometry {
+            geometry: Some(CurveGeometry {
                 theta_i_deg,
                 theta_v_deg,
             }),

@@ -2,7 +2,7 @@ use super::{Failure, Options, Replace, Scratch, Stopping, claim, in_words, input
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use specval::cloth::light::{ClothFraction, ClothLedger};
-use specval::output::{self, Place, beside, write_all};
+use specval::output::{self, Destination, beside, write_all};
 use specval::report::{GrazingGain, effort_line};
 use specval::run::{RunError, Simulator, Stage, StateFile, Watch, check_memory, grazing_gains, grazing_notice};
 use specval::study::MethodChoice;
@@ -96,7 +96,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     }
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     let out = arguments.out.as_path();
-    let is_file = Place::find(out)?.is_file();
+    let is_file = Destination::find(out)?.is_file();
     let energy_file = beside(out, ".energy.csv");
     let mut outputs = vec![out];
     if is_file {

@@ -9,9 +9,9 @@ use std::fmt::Write;
 /// x = π d n_h/λ with the vacuum wavelength λ.
 ///
 /// q_ext, q_sca and q_abs are cross sections over the geometric one, πd²/4. q_back = 4 |S(180°)|²/x² is the radar
-/// backscattering efficiency: 4π times the differential cross section dC/dΩ at 180°, per sr, over πd²/4; of a scatterer that is
-/// isotropic it is q_sca. It is not the share of light that is scattered backwards. Some programs leave the 4π out: their value
-/// is q_back/4π.
+/// backscattering efficiency: 4π times the differential cross section dC/dΩ at 180°, per sr, over πd²/4; of a scatterer
+/// that is isotropic it is q_sca. It is not the share of light that is scattered backwards. Some programs leave the 4π
+/// out: their value is q_back/4π.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct Arguments {

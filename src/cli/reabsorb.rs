@@ -9,8 +9,8 @@ use std::slice;
 
 /// Applies another absorption to a trace without tracing, along the path lengths it kept.
 ///
-/// Changes f* of the direct simulation, the ledger and their errors; the BSSRDF is left out. Says where the paths that were
-/// traced no longer carry the change.
+/// Changes f* of the direct simulation, the ledger and their errors; the BSSRDF is left out. Says where the paths that
+/// were traced no longer carry the change.
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("change").required(true).multiple(true)))]
 pub struct Arguments {
@@ -34,7 +34,7 @@ pub struct Arguments {
 
 /// Why this is no artefact.
 fn no_artefact(error: impl Into<Failure>, path: &Path) -> Failure {
-    let due = |kind| kind == FileKind::Artefact(artefact::Kind::Artefact);
+    let due = |kind| kind == FileKind::Artefact(artefact::ArtefactKind::Artefact);
     study::or_other_kind(error, path, "the artefact of a trace", due)
 }
 

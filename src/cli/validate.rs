@@ -3,8 +3,8 @@ use specval::number::significant;
 use specval::validate::{self, Check};
 use std::fmt::Write;
 
-/// Solves problems whose answers are known from elsewhere with the very code that traces yarns, and prints how far apart
-/// they are in standard errors. `--paths` is for each problem.
+/// Solves problems whose answers are known from elsewhere with the very code that traces yarns, and prints how far
+/// apart they are in standard errors. `--paths` is for each problem.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {}
 

@@ -1,18 +1,21 @@
 use super::{ClothError, System};
 use crate::fault::{self, Fault};
 
-/// Who is on top where a weft crosses a warp, over one repeat of the weave.
+/// Draft: which yarn is on top at each crossing of a weft and a warp, over one repeat of the weave.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Draft {
     wefts: usize,
     warps: usize,
-    /// Row-major, one row a weft.
+    /// Row-major, one row per weft.
     warp_on_top: Vec<bool>,
 }
 
 impl Draft {
-    /// `rows[i][j]` says whether warp `j` lies over weft `i`. Every yarn must pass at least once over and once under
-    /// the other system, otherwise it falls out of the cloth.
+    /// `rows[i][j]`: whether warp `j` lies over weft `i`.
+    ///
+    /// # Errors
+    /// [`ClothError`] unless every yarn passes at least once over and once under the other system: it would not be
+    /// bound in the cloth.
     pub fn new(rows: &[Vec<bool>]) -> Result<Self, ClothError> {
         let warps = rows.first().map_or(0, Vec::len);
         if warps == 0 {
@@ -41,7 +44,7 @@ impl Draft {
         Ok(draft)
     }
 
-    /// Rows of `X`, where the warp is on top, and `.`, one a weft.
+    /// Draft from rows of `X` (warp on top) and `.`, one row per weft.
     fn of_drawdown(rows: &[&str]) -> Self {
         Self {
             wefts: rows.len(),
@@ -50,7 +53,7 @@ impl Draft {
         }
     }
 
-    /// Whether warp `j_warp` lies over weft `i_weft`, both counted on past the repeat.
+    /// Whether warp `j_warp` lies over weft `i_weft`; both indices continue periodically beyond the repeat.
     pub fn warp_on_top(&self, i_weft: usize, j_warp: usize) -> bool {
         let mut column = j_warp % self.warps;
         if fault::active(Fault::DraftMirrored) {
@@ -76,11 +79,11 @@ impl Draft {
     }
 }
 
-/// [`Weave`] and its names, from a table of drawdowns over one repeat: a row a weft, first weft first, `X` where the
-/// warp is on top.
+/// [`Weave`] and its names, from a table of drawdowns over one repeat: one row per weft, first weft first, `X` where
+/// the warp is on top.
 macro_rules! built_in_weaves {
     ($($(#[$meaning:meta])+ $weave:ident = $name:literal $rows:expr;)+) => {
-        /// A weave known by name, or the draft of any other.
+        /// A built-in weave, or the draft of any other.
         #[derive(Clone, Debug, PartialEq, Eq)]
         pub enum Weave {
             $($(#[$meaning])+ $weave,)+
@@ -102,27 +105,28 @@ macro_rules! built_in_weaves {
     };
 }
 
-// Warp-faced where the faces differ. A weave that is added here is in the study file, the help and the messages.
+// Warp-faced where the faces differ. Adding a weave here adds it to the study file, the help and the messages.
 built_in_weaves! {
     /// Over one, under one.
     Plain = "plain" [
         "X.",
         ".X",
     ];
-    /// Warp over two, under one; the twill line climbs one warp a weft.
+    /// Warp over two, under one; the twill line advances one warp per weft.
     Twill21 = "twill-2-1" [
         ".XX",
         "X.X",
         "XX.",
     ];
-    /// Warp over three, under one; the twill line climbs one warp a weft.
+    /// Warp over three, under one; the twill line advances one warp per weft.
     Twill31 = "twill-3-1" [
         ".XXX",
         "X.XX",
         "XX.X",
         "XXX.",
     ];
-    /// Five-end warp satin: each warp under one weft in five, the next weft's place two warps on (move number 2).
+    /// Five-end warp satin: each warp passes under one weft in five; from weft to weft this point moves by two warps
+    /// (move number 2).
     Satin5 = "satin-5" [
         ".XXXX",
         "XX.XX",
@@ -143,7 +147,7 @@ impl Weave {
 mod tests {
     use super::*;
 
-    /// Each drawdown is one that [`Draft::new`] accepts, and each name leads to its own weave.
+    /// [`Draft::new`] accepts each drawdown, and each name gives its own weave.
     #[test]
     fn built_in_weaves_are_drafts() {
         for (weave, name) in Weave::BUILT_IN.iter().zip(Weave::NAMES) {

@@ -1,7 +1,7 @@
 use super::System;
 use crate::number::{shown, significant};
 
-/// Why a draft or a cloth cannot be.
+/// Invalid draft or cloth.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ClothError {
     #[error("the draft is empty: it needs at least one row (weft) and one column (warp)")]
@@ -36,7 +36,7 @@ pub enum ClothError {
     Overlap {
         first: String,
         second: String,
-        /// The system of both, where they run side by side; none where they cross.
+        /// The system of both yarns if they are neighbours; `None` if they cross.
         neighbours: Option<System>,
         overlap_mm: f64,
         remedy: &'static str,

@@ -1,7 +1,8 @@
-//! Woven cloth: draft, centre lines of the yarns, their smooth surfaces, rays through the endless periodic weave, and light in it.
+//! Woven cloth: draft, centre lines of the yarns, their smooth surfaces, rays through the endless periodic weave, and
+//! light in it.
 //!
 //! The cloth lies in the x–y plane around z = 0, its outer normal is +z. Warp yarns run along x, weft yarns along y.
-//! The first warp of the cell stands at y = ½ warp spacing, the first weft at x = ½ weft spacing. Lengths are mm.
+//! The first warp of the cell is at y = ½ warp spacing, the first weft at x = ½ weft spacing. Lengths are in mm.
 
 mod draft;
 mod error;

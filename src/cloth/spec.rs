@@ -11,28 +11,29 @@ pub enum CentreLineKind {
     Sinusoid { amplitude_mm: f64 },
 }
 
-/// Everything that fixes the shape of a cloth. [`Cloth::new`] checks it.
+/// All parameters of a cloth's geometry. [`Cloth::new`](crate::cloth::Cloth::new) validates them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClothSpec {
     pub weave: Weave,
     pub centre_line: CentreLineKind,
     pub warp_radius_mm: f64,
     pub weft_radius_mm: f64,
-    /// Width over height of the warps' elliptical sections. Their area is that of the circle of `warp_radius_mm`.
+    /// Ratio of width to height of the warps' elliptical sections; the area is that of a circle of radius
+    /// `warp_radius_mm`.
     pub warp_flattening: f64,
     pub weft_flattening: f64,
     /// Mean distance of neighbouring warp yarns, along y.
     pub warp_spacing_mm: f64,
     /// Mean distance of neighbouring weft yarns, along x.
     pub weft_spacing_mm: f64,
-    /// Standard deviation of the yarns' radii over the mean radius: normal, cut off at two standard deviations, with the
-    /// mean over the cell kept.
+    /// Relative standard deviation of the yarns' radii: normal distribution, truncated at two standard deviations; the
+    /// mean over the cell is preserved.
     pub radius_variation: f64,
-    /// The same of the distances of neighbouring yarns.
+    /// The same for the distances of neighbouring yarns.
     pub spacing_variation: f64,
-    /// Repeats of the draft in one cell, along x and along y. More give variation more yarns before it recurs.
+    /// Number of repeats of the draft in one cell, along x and along y. Variation recurs with the cell.
     pub repeats: [usize; 2],
-    /// Fixes every yarn's radius and place.
+    /// Seed of the variation of radii and positions.
     pub variation_seed: u64,
 }
 
@@ -71,7 +72,7 @@ impl ClothSpec {
         }
     }
 
-    /// Half width and half height of a yarn whose section has the area of the circle of a radius.
+    /// Half width and half height, mm, of a section with the area of a circle of radius `radius_mm`.
     pub(super) fn half_axes_mm(&self, system: System, radius_mm: f64) -> [f64; 2] {
         let stretch = match system {
             System::Warp => self.warp_flattening,
@@ -85,7 +86,7 @@ impl ClothSpec {
         self.radius_variation > 0.0 || self.spacing_variation > 0.0
     }
 
-    /// Repeats of the draft across the yarns of a system.
+    /// Number of repeats of the draft across the yarns of a system.
     pub(super) fn repeats_across(&self, system: System) -> usize {
         match system {
             System::Warp => self.repeats[1],

@@ -10,7 +10,7 @@ pub enum System {
 }
 
 impl System {
-    /// Place in pairs of warp and weft.
+    /// Index in pairs of (warp, weft).
     pub fn index(self) -> usize {
         match self {
             Self::Warp => 0,
@@ -35,11 +35,12 @@ impl fmt::Display for System {
     }
 }
 
-/// One physical yarn of the endless cloth. A yarn is the same all along itself; its copy one cell sideways is another.
+/// One physical yarn of the endless cloth. All repeats along a yarn are the same yarn; its copy one cell sideways is
+/// another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct YarnId {
     pub system: System,
-    /// Place in the cell.
+    /// Index in the cell.
     pub index: u32,
     /// Cell across the yarn: along y for a warp, along x for a weft.
     pub lateral: i64,

@@ -52,8 +52,8 @@ impl Stated {
     }
 }
 
-/// What a key word says: of lists of assignments, such as `MEASUREMENT_SOURCE` "Illumination=D50 ObserverAngle=10degree", each
-/// one; of "D50/2" illuminant and observer.
+/// What a key word says: of lists of assignments, such as `MEASUREMENT_SOURCE` "Illumination=D50
+/// ObserverAngle=10degree", each one; of "D50/2" illuminant and observer.
 fn pairs((key, value): &(String, String)) -> Vec<(String, String)> {
     let pair = |key: &str, value: &str| (key.trim().to_ascii_uppercase(), value.trim().to_owned());
     match key.as_str() {

@@ -1,7 +1,7 @@
 use super::{Sectors, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Cells of the hemisphere about a surface's normal, even in polar angle and azimuth. Directions are given by their
+/// Cells of the hemisphere about a surface's normal, uniform in polar angle and azimuth. Directions are given by their
 /// (tangent, axis, normal) components; azimuth runs from the tangent towards the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HemisphereGrid {
@@ -10,7 +10,8 @@ pub struct HemisphereGrid {
 }
 
 impl HemisphereGrid {
-    /// At least one polar cell and four azimuths, a multiple of four: mirroring tangent or axis maps cells on cells.
+    /// `None` unless there is at least one polar cell and the number of azimuth cells is a positive multiple of 4, so
+    /// that reversing tangent or axis maps cells to cells.
     pub fn new(theta_cells: usize, phi_cells: usize) -> Option<Self> {
         (theta_cells >= 1 && phi_cells >= 4 && phi_cells.is_multiple_of(4)).then_some(Self { theta_cells, phi_cells })
     }
@@ -27,7 +28,7 @@ impl HemisphereGrid {
         self.theta_cells * self.phi_cells
     }
 
-    /// What finds the cells of many directions.
+    /// A finder for the cells of many directions.
     pub fn finder(&self) -> CellFinder {
         CellFinder {
             edges: (1..self.theta_cells)
@@ -65,7 +66,7 @@ impl HemisphereGrid {
     }
 
     /// The four cells between whose centres a direction lies, with bilinear weights that sum to 1. Across the pole the
-    /// neighbour is the cell opposite; beyond the outermost centres the value stays what it is there.
+    /// neighbour is the opposite cell; beyond the outermost centres the value is constant.
     #[inline]
     pub fn bilinear(&self, d: &Vec3) -> Bilinear {
         let theta = d.z.clamp(0.0, 1.0).acos() / FRAC_PI_2 * self.theta_cells as f64 - 0.5;
@@ -74,7 +75,7 @@ impl HemisphereGrid {
         let (wi, wj) = (theta - i, phi - j);
         let n = self.phi_cells;
         let wrap = |column: usize| if column >= n { column - n } else { column };
-        // The azimuth lies within half a turn of 0.
+        // The azimuth is within ±180°.
         let first = wrap((j as isize + n as isize) as usize);
         let last = self.theta_cells - 1;
         let below_pole = i < 0.0;

@@ -2,7 +2,7 @@
 /// tangents of the edges, which is many times faster than its angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sectors {
-    /// Of the edges inside the first quadrant.
+    /// Tangents of the edges inside the first quadrant.
     tangents: Vec<f64>,
 }
 
@@ -12,7 +12,7 @@ impl Sectors {
         (count >= 4 && count.is_multiple_of(4)).then(|| Self::of_quadrants(count / 4))
     }
 
-    /// So many in each quadrant.
+    /// `count` sectors in each quadrant.
     pub(super) fn of_quadrants(count: usize) -> Self {
         let tangent = |k: usize| (std::f64::consts::FRAC_PI_2 * k as f64 / count as f64).tan();
         Self {
@@ -29,7 +29,7 @@ impl Sectors {
     pub fn sector(&self, x: f64, y: f64) -> usize {
         let (right, up) = (usize::from(x > 0.0), usize::from(y >= 0.0));
         let quadrant = [2, 3, 1, 0][right + 2 * up];
-        // The quadrant turned onto the first one.
+        // Rotate the quadrant onto the first.
         let odd = quadrant & 1 == 1;
         let (a, b) = (x.abs(), y.abs());
         let (a, b) = (if odd { b } else { a }, if odd { a } else { b });

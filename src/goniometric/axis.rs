@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 /// Angles in radians closer than this are one angle, written or computed with rounding: 0.0006 degrees.
 const SAME_RAD: f64 = 1e-5;
 
-/// Ascending angles in radians, and what lies beyond the last.
+/// Ascending angles in radians, and the rule beyond the last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     nodes_rad: Vec<f64>,
@@ -13,15 +13,15 @@ pub struct Axis {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Beyond {
     Nothing,
-    /// The value of the last node.
+    /// Constant at the value of the last node.
     Last,
-    /// The first node again, after this period in radians.
+    /// Periodic, with this period in radians.
     First(f64),
-    /// A single node that stands for every angle.
+    /// A single node that represents every angle.
     Everything,
 }
 
-/// The two nodes around an angle, and where between them it lies.
+/// The two nodes around an angle, and the position between them.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub(crate) struct Between {
     pub(crate) below: usize,
@@ -30,7 +30,7 @@ pub(crate) struct Between {
     pub(crate) on_node: bool,
 }
 
-/// Two nodes and their shares in a value.
+/// Two nodes and their interpolation weights.
 pub(crate) type Shares = [(usize, f64); 2];
 
 impl Axis {
@@ -40,7 +40,7 @@ impl Axis {
         Self { nodes_rad, beyond }
     }
 
-    /// Beyond its last node it keeps the value there.
+    /// An axis that is constant beyond its last node.
     pub(crate) fn held(nodes_rad: Vec<f64>) -> Self {
         let beyond = Beyond::Last;
         Self { nodes_rad, beyond }
@@ -68,14 +68,14 @@ impl Axis {
         &self.nodes_rad
     }
 
-    /// Whether it stands for every angle.
+    /// Whether it has a single node that represents every angle.
     pub(crate) fn is_single(&self) -> bool {
         self.beyond == Beyond::Everything
     }
 
-    /// The axis with nodes at 0 and at the whole turn, for readers that do not close the circle themselves, and of each node
-    /// the own nodes that its values are a mean of, with their shares. `None` where nothing is to be added: axes that are no
-    /// whole circle, single azimuths, and circles that are closed.
+    /// The axis with nodes at 0 and at the whole turn, for readers that do not close the circle themselves, and of each
+    /// node the own nodes that its values are a mean of, with their shares. `None` where nothing is to be added: axes
+    /// that are no whole circle, single azimuths, and circles that are closed.
     pub(crate) fn closed(&self) -> Option<(Self, Vec<Shares>)> {
         if self.beyond != Beyond::First(TAU) {
             return None;
@@ -101,7 +101,7 @@ impl Axis {
         Some((Self { nodes_rad, beyond }, shares))
     }
 
-    /// Share of the axis that each node stands for: half the gaps to its neighbours. They add up to 1.
+    /// Fraction of the axis that each node represents: half the gaps to its neighbours. The fractions sum to 1.
     pub(crate) fn shares(&self) -> Vec<f64> {
         let nodes = &self.nodes_rad;
         let last = nodes.len() - 1;
@@ -153,7 +153,7 @@ impl Axis {
                 }
             }
             Beyond::Nothing | Beyond::Last => {
-                // An azimuth that does not go all the way round still has 0 and 360 degrees for one angle.
+                // On an azimuth axis that does not cover the full circle, 0 and 360 degrees are still the same angle.
                 if angle < nodes[0] - SAME_RAD && angle + TAU <= nodes[last] + SAME_RAD {
                     angle += TAU;
                 } else if angle > nodes[last] + SAME_RAD && angle - TAU >= nodes[0] - SAME_RAD {

@@ -2,11 +2,11 @@
 
 use super::grid::Grid;
 
-/// Divides values f cos θ_out by the cosine at their nodes, so that f is what is interpolated: a cosine has no straight course
-/// between nodes, and none to divide by at the horizon. Nodes there and below hold f of the next one above the horizon on
-/// their arc of the third angle, or else on the arc before or behind. Their number is returned.
+/// Divides values f cos θ_out by the cosine at their nodes, so that f is what is interpolated: a cosine has no straight
+/// course between nodes, and none to divide by at the horizon. Nodes there and below hold f of the next one above the
+/// horizon on their arc of the third angle, or else on the arc before or behind. Their number is returned.
 pub(crate) fn divide_by_cosine(grid: &mut Grid) -> usize {
-    /// Below this a value with few digits has no f.
+    /// Smallest cosine at which a value of few digits still determines f.
     const HORIZON: f64 = 1e-4;
     let [n0, n1, n2, n3] = grid.shape();
     let mut held = 0;
@@ -38,7 +38,7 @@ pub(crate) fn divide_by_cosine(grid: &mut Grid) -> usize {
     held
 }
 
-/// Puts the last value before them, or else the first behind them, where there are none.
+/// Fills missing values with the last value before them, or else with the first after them.
 fn hold(values: &mut [f64]) {
     let first = values.iter().copied().find(|v| !v.is_nan()).unwrap_or(f64::NAN);
     values.iter_mut().fold(first, |last, value| {

@@ -1,6 +1,6 @@
 use super::direction::{every_tenth_degree, rounded_deg};
 use super::grid::Grid;
-use super::kinds::{Channels, Format, Placement, Provenance, Quantity, Scatter, Side};
+use super::kinds::{ChannelSet, FileProvenance, Format, Placement, Quantity, Scatter, Side};
 use super::klems::KlemsMatrix;
 use super::scattered::Scattered;
 use super::specular::SpecularTable;
@@ -15,11 +15,11 @@ use crate::geometry::Vec3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Goniometric {
     pub format: Format,
-    /// What the file says of itself.
-    pub provenance: Provenance,
+    /// Statements of the file about itself.
+    pub provenance: FileProvenance,
     /// At least one.
     pub components: Vec<Component>,
-    /// What the reader had to assume, and what it left out.
+    /// Assumptions and omissions of the reader.
     pub warnings: Vec<String>,
 }
 
@@ -27,10 +27,10 @@ pub struct Goniometric {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
     pub scatter: Scatter,
-    /// Where the light comes from.
+    /// Side the light comes from.
     pub side: Side,
     pub quantity: Quantity,
-    pub channels: Channels,
+    pub channels: ChannelSet,
     pub table: Table,
 }
 
@@ -52,7 +52,7 @@ pub enum Table {
 }
 
 impl Table {
-    /// Of light from above that is seen from above; `None` outside what was measured.
+    /// Evaluates for light and view both from above; `None` outside the measured range.
     pub(crate) fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec<f64>, Placement)> {
         match self {
             Self::Grid(grid) => grid.eval(omega_in, omega_out),
@@ -65,7 +65,7 @@ impl Table {
     }
 }
 
-/// Values at a pair of directions, one a channel, in the file's quantity.
+/// Values at a pair of directions, one per channel, in the file's quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
     pub quantity: Quantity,
@@ -92,8 +92,8 @@ impl Evaluation {
 }
 
 impl Goniometric {
-    /// The component that has light from the side of `omega_in` and of `omega_out`, and its values there. `None`
-    /// outside what was measured.
+    /// The component for the sides of `omega_in` and `omega_out`, and its values there. `None` outside the measured
+    /// range.
     pub fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Evaluation> {
         self.components.iter().find_map(|c| c.eval(omega_in, omega_out))
     }
@@ -106,7 +106,7 @@ impl Goniometric {
 }
 
 impl Component {
-    /// What it is, in words: "reflection of light from the front".
+    /// Description in words: "reflection of light from the front".
     pub fn words(&self) -> String {
         let scatter = match (self.scatter, &self.table) {
             (Scatter::Reflection, Table::Specular(_)) => "specular reflection",
@@ -118,8 +118,8 @@ impl Component {
         format!("{scatter} of light from the {side}")
     }
 
-    /// Values at unit directions to the light and to the viewer. `None` outside what was measured, on the wrong sides of
-    /// the surface, and for specular tables.
+    /// Values at unit directions to the light and to the viewer. `None` outside what was measured, on the wrong sides
+    /// of the surface, and for specular tables.
     pub fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Evaluation> {
         let (omega_in, omega_out) = self.upright(omega_in, omega_out)?;
         let (values, placement) = self.table.eval(&omega_in, &omega_out)?;
@@ -131,7 +131,8 @@ impl Component {
         })
     }
 
-    /// Standard errors of [`Component::eval`]'s values, one a channel, in the file's quantity; `None` where the file states none.
+    /// Standard errors of [`Component::eval`]'s values, one a channel, in the file's quantity; `None` where the file
+    /// states none.
     pub fn standard_errors(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Vec<f64>> {
         let Table::Scattered(scattered) = &self.table else {
             return None;
@@ -140,8 +141,8 @@ impl Component {
         scattered.standard_errors(&omega_in, &omega_out)
     }
 
-    /// Adds f in 1/sr of the pair turned about the normal by each of the angles in radians, and takes out of the list those at
-    /// which there is a value. What turns do not change is worked out once.
+    /// Adds f in 1/sr of the pair turned about the normal by each of the angles in radians, and takes out of the list
+    /// those at which there is a value. What turns do not change is worked out once.
     pub(crate) fn add_bsdf_turned(
         &self,
         omega_in: &Vec3,
@@ -175,7 +176,8 @@ impl Component {
         }
     }
 
-    /// Both directions as tables know them: light from above that is seen from above. `None` on the wrong sides of the surface.
+    /// Both directions as tables know them: light from above that is seen from above. `None` on the wrong sides of the
+    /// surface.
     fn upright(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec3, Vec3)> {
         let up = |side: Side| if side == Side::Front { 1.0 } else { -1.0 };
         let through = if self.scatter == Scatter::Reflection { 1.0 } else { -1.0 };
@@ -187,9 +189,9 @@ impl Component {
         (omega_in.z >= HORIZON && omega_out.z >= HORIZON).then_some((omega_in, omega_out))
     }
 
-    /// The same table with other channels, by a linear map, where what lies between nodes is linear in them: interpolating fewer
-    /// channels takes less time. `None` of other tables.
-    pub(crate) fn with_channels(&self, channels: Channels, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<Self> {
+    /// The same table with other channels, by a linear map, where what lies between nodes is linear in them:
+    /// interpolating fewer channels takes less time. `None` of other tables.
+    pub(crate) fn with_channels(&self, channels: ChannelSet, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<Self> {
         let count = channels.count();
         let table = match &self.table {
             Table::Grid(grid) => Table::Grid(grid.with_channels(count, map)?),
@@ -216,7 +218,7 @@ impl Component {
         nodes_rad.into_iter().map(rounded_deg).collect()
     }
 
-    /// Whether turning the sample about its normal changes nothing, for want of incident azimuths.
+    /// Whether the table is invariant under rotation about the normal because it has no incident azimuths.
     pub fn is_isotropic(&self) -> bool {
         match &self.table {
             Table::Grid(grid) => grid.is_isotropic(),

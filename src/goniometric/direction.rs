@@ -6,7 +6,7 @@ pub(crate) fn every_tenth_degree() -> Vec<f64> {
     (0..9).map(|i| f64::from(10 * i).to_radians()).collect()
 }
 
-/// Degrees as they were written: conversion to radians and back is off by a rounding.
+/// Degrees as written in the file: converts from radians and removes the rounding error of the conversion.
 pub(crate) fn rounded_deg(angle_rad: f64) -> f64 {
     (angle_rad.to_degrees() * 1e9).round() / 1e9
 }

@@ -23,7 +23,7 @@ pub struct Grid {
     has_holes: bool,
 }
 
-/// Nodes around a place, by their offset in the values, and their shares, which are above 0.
+/// Nodes around a point, by their offset in the values, and their weights, all above 0.
 #[derive(Clone, Copy)]
 struct Corners {
     nodes: [(usize, f64); 16],
@@ -31,7 +31,7 @@ struct Corners {
 }
 
 impl Default for Corners {
-    /// Of no axis yet.
+    /// The weights of zero axes: a single node of weight 1.
     fn default() -> Self {
         let mut nodes = [(0, 0.0); 16];
         nodes[0] = (0, 1.0);
@@ -40,7 +40,7 @@ impl Default for Corners {
 }
 
 impl Corners {
-    /// With one of the four axes more.
+    /// Adds one of the four axes.
     fn between(&mut self, between: &Between, stride: usize) {
         let below = self.count;
         for index in 0..below {
@@ -97,7 +97,7 @@ impl Grid {
         self.fold
     }
 
-    /// A single incident (or half vector's) azimuth is stored.
+    /// Whether a single incident (or half vector's) azimuth is stored.
     pub fn is_isotropic(&self) -> bool {
         self.axes[1].is_single()
     }
@@ -230,12 +230,12 @@ impl Grid {
         largest
     }
 
-    /// Some nodes have no data.
+    /// Whether some nodes have no data.
     pub fn has_holes(&self) -> bool {
         self.has_holes
     }
 
-    /// Nodes on each axis.
+    /// Number of nodes on each axis.
     pub fn shape(&self) -> [usize; 4] {
         std::array::from_fn(|axis| self.axes[axis].nodes_rad().len())
     }
@@ -254,7 +254,7 @@ impl Grid {
         for (axis, slot) in around.iter_mut().enumerate() {
             *slot = self.axes[axis].locate(angles[axis])?;
         }
-        // About its pole an azimuth has no meaning.
+        // At a pole the azimuth is undefined.
         let pole =
             |polar: usize, azimuth: usize| angles[polar] < 1e-5 && around[polar].on_node && !around[azimuth].on_node;
         let mut on_node = around.iter().all(|b| b.on_node);
@@ -278,8 +278,8 @@ impl Grid {
         Some((values, placement))
     }
 
-    /// Adds `weight` times the values of the pair turned about the normal by each of the angles, and takes out of the list
-    /// those at which there are values.
+    /// Adds `weight` times the values of the pair turned about the normal by each of the angles, and takes out of the
+    /// list those at which there are values.
     pub(crate) fn add_turned(
         &self,
         omega_in: &Vec3,
@@ -291,7 +291,7 @@ impl Grid {
         let Some(angles) = self.angles(omega_in, omega_out) else {
             return;
         };
-        // Azimuths that count from x turn with the pair.
+        // Azimuths measured from x rotate with the pair.
         let turning = |axis: usize| axis == 1 || (axis == 3 && self.parameters == Parameters::Spherical);
         let mut fixed = Corners::default();
         for axis in (0..4).filter(|&axis| !turning(axis)) {
@@ -306,7 +306,7 @@ impl Grid {
             fixed.between(&between, self.strides[axis]);
         }
         turns_rad.retain(|turn| {
-            // An isotropic table's outgoing azimuth counts from the incident one.
+            // In an isotropic table the outgoing azimuth is measured from the incident one.
             let turn = if self.is_isotropic() { 0.0 } else { *turn };
             let mut corners = fixed;
             for axis in (0..4).filter(|&axis| turning(axis)) {
@@ -372,8 +372,8 @@ impl Grid {
         Some(offsets_rad[b.below] + b.t * (offsets_rad[b.above] - offsets_rad[b.below]))
     }
 
-    /// Directions to light and viewer at a node. The viewer's may be below the horizon; both are `None` where there is no
-    /// such pair.
+    /// Directions to light and viewer at a node. The viewer's may be below the horizon; both are `None` where there is
+    /// no such pair.
     pub(crate) fn directions(&self, node: [usize; 4]) -> Option<(Vec3, Vec3)> {
         let angle: [f64; 4] = std::array::from_fn(|axis| self.axes[axis].nodes_rad()[node[axis]]);
         let incident = direction(angle[0], angle[1]);

@@ -1,10 +1,10 @@
 //! Directional-hemispherical values: ∫ f cos θ_out dω_out, adaptively in the parameters a table is stored in.
 //!
-//! The hemisphere is cut at the table's own nodes and at the horizon, so that the integrand is smooth on every cell and no lobe
-//! that the table resolves is missed. A cell is integrated by the tensor rules of Gauss and Legendre of 3 and of 2 points a side;
-//! the difference is the estimate of its error, far above the error of the 3-point rule that is kept. The cell of the largest
-//! error is cut in four until the errors add up to [`TOLERANCE`]. Klems patches and the leaves of tensor trees are constant, and
-//! their sum is exact.
+//! The hemisphere is cut at the table's own nodes and at the horizon, so that the integrand is smooth on every cell and
+//! no lobe that the table resolves is missed. A cell is integrated by the tensor rules of Gauss and Legendre of 3 and
+//! of 2 points a side; the difference is the estimate of its error, far above the error of the 3-point rule that is
+//! kept. The cell of the largest error is cut in four until the errors add up to [`TOLERANCE`]. Klems patches and the
+//! leaves of tensor trees are constant, and their sum is exact.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -19,9 +19,9 @@ use super::scattered::{Directions, Scattered};
 use super::warped::Warped;
 use crate::geometry::Vec3;
 
-/// Estimated error at which cells are no longer cut, of the largest channel's value.
+/// Estimated error, relative to the largest channel's value, at which refinement stops.
 const TOLERANCE: f64 = 3e-5;
-/// Cells at most; what is left of the error is then stated.
+/// Largest number of cells; the remaining error is reported.
 const MOST_CELLS: usize = 20_000;
 /// Widest cell about the axis, in radians.
 const WIDEST: f64 = PI / 12.0;
@@ -36,20 +36,20 @@ const GAUSS_3: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
 
-/// ∫ f cos θ_out dω_out of light from one direction.
+/// Directional-hemispherical value ∫ f cos θ_out dω_out for light from one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hemispherical {
     /// One a channel.
     pub values: Vec<f64>,
     /// Estimated errors of the integration, one a channel; 0 where it is exact.
     pub errors: Vec<f64>,
-    /// Share of the projected hemisphere that was measured; the rest counts as 0.
+    /// Fraction of the projected hemisphere that was measured; the rest counts as 0.
     pub measured: f64,
 }
 
-/// How two numbers say where light leaves to.
+/// Parametrisation of the outgoing direction by two numbers.
 #[derive(Clone, Copy)]
-enum Chart {
+enum Parametrisation {
     /// Polar angle and azimuth.
     Sphere,
     /// Angle from a direction tilted away from the light, and azimuth about it.
@@ -60,7 +60,7 @@ enum Chart {
     Half { theta_i: f64 },
 }
 
-impl Chart {
+impl Parametrisation {
     fn farthest(self) -> f64 {
         match self {
             Self::Mirror { .. } => PI,
@@ -108,7 +108,7 @@ impl Chart {
 
 /// A chart with its cells' limits.
 struct Cut {
-    chart: Chart,
+    chart: Parametrisation,
     /// Azimuth that the second number counts from.
     turn: f64,
     polar: Vec<f64>,
@@ -117,7 +117,7 @@ struct Cut {
 
 impl Cut {
     /// `nodes` need no order; azimuths may be any, and are told by `turn`.
-    fn new(chart: Chart, turn: f64, polar_nodes: &[f64], azimuth_nodes: &[f64]) -> Self {
+    fn new(chart: Parametrisation, turn: f64, polar_nodes: &[f64], azimuth_nodes: &[f64]) -> Self {
         let last = chart.farthest();
         let inside = polar_nodes.iter().copied().filter(|a| *a > 1e-9 && *a < last - 1e-9);
         let mut polar: Vec<f64> = inside.chain([0.0, last]).collect();
@@ -139,7 +139,7 @@ fn sort(limits: &mut Vec<f64>) {
     limits.dedup_by(|a, b| *a - *b < 1e-9);
 }
 
-/// With even cuts where limits are farther apart than [`WIDEST`].
+/// Adds uniform cuts where limits are farther apart than [`WIDEST`].
 fn filled(limits: &[f64]) -> Vec<f64> {
     let mut all = vec![limits[0]];
     for pair in limits.windows(2) {
@@ -173,7 +173,7 @@ impl PartialOrd for Cell {
     }
 }
 
-/// By error; ties by place, so that the order is always the same.
+/// Ordered by error, ties by position, so that the order is deterministic.
 impl Ord for Cell {
     fn cmp(&self, other: &Self) -> Ordering {
         let place = |c: &Self| [c.polar[0], c.around[0]];
@@ -211,7 +211,7 @@ impl Integral<'_> {
                 let Some((mut values, _)) = self.component.table.eval(&self.omega_in, &out) else {
                     continue;
                 };
-                // What holds the cosine is not divided by it only to be multiplied again.
+                // Values that include the cosine are used as they are.
                 let factor = match self.component.quantity {
                     Quantity::BsdfCosine => projected / out.z,
                     Quantity::BrightnessFactor => projected / PI,
@@ -245,7 +245,7 @@ impl Integral<'_> {
         }
     }
 
-    /// Cells whose errors add up to the tolerance, or as many as may be.
+    /// Refines until the errors of the cells sum to the tolerance, or the largest number of cells is reached.
     fn cells(&self) -> Vec<Cell> {
         let mut heap = BinaryHeap::new();
         for polar in self.cut.polar.windows(2) {
@@ -275,8 +275,8 @@ impl Integral<'_> {
 }
 
 impl Component {
-    /// ∫ f cos θ_out dω_out per channel for light from a polar angle and azimuth in radians. `None` where nothing was measured
-    /// over solid angle, or where the quantity has no f.
+    /// ∫ f cos θ_out dω_out per channel for light from a polar angle and azimuth in radians. `None` where nothing was
+    /// measured over solid angle, or where the quantity has no f.
     pub fn directional_hemispherical(&self, theta_i_rad: f64, phi_i_rad: f64) -> Option<Hemispherical> {
         if matches!(self.quantity, Quantity::Fraction | Quantity::Unscaled) {
             return None;
@@ -313,8 +313,8 @@ impl Component {
             sums.values.iter_mut().zip(&cell.sums).for_each(|(sum, v)| *sum += v);
             sums.errors.iter_mut().zip(&cell.errors).for_each(|(sum, e)| *sum += e);
         }
-        // The same rule gives the projected hemisphere, to an error far below any gap of a table. The ratio to it is exact where f is
-        // constant.
+        // The same rule gives the projected hemisphere, to an error far below any gap of a table. The ratio to it is
+        // exact where f is constant.
         sums.measured /= PI;
         if (sums.measured - 1.0).abs() < 1e-4 {
             sums.values.iter_mut().for_each(|v| *v /= sums.measured);
@@ -337,8 +337,8 @@ impl Component {
         })
     }
 
-    /// The integral over the hemisphere of outgoing directions (upright, as tables know them), light being from above. Without points
-    /// for tables that are constant on cells, and where nothing was measured.
+    /// The integral over the hemisphere of outgoing directions (upright, as tables know them), light being from above.
+    /// Without points for tables that are constant on cells, and where nothing was measured.
     pub(crate) fn hemisphere(&self, theta_i: f64, phi_i: f64) -> Hemisphere {
         let mut points = Vec::new();
         let total = match self.integral(theta_i, phi_i) {
@@ -388,17 +388,17 @@ fn of_grid(grid: &Grid, theta_i: f64, phi_i: f64) -> Option<Cut> {
     Some(match grid.parameters() {
         Parameters::Spherical => {
             let turn = if grid.is_isotropic() { phi_i } else { 0.0 };
-            Cut::new(Chart::Sphere, turn, third, &azimuths)
+            Cut::new(Parametrisation::Sphere, turn, third, &azimuths)
         }
         Parameters::Specular { offsets_rad } => {
             let tilt = theta_i + grid.offset(offsets_rad, theta_i)?;
-            Cut::new(Chart::Mirror { tilt }, phi_i, third, &azimuths)
+            Cut::new(Parametrisation::Mirror { tilt }, phi_i, third, &azimuths)
         }
         Parameters::Distorted { offsets_rad } => {
             let tilt = theta_i + grid.offset(offsets_rad, theta_i)?;
-            Cut::new(Chart::Distorted { tilt }, phi_i, third, &azimuths)
+            Cut::new(Parametrisation::Distorted { tilt }, phi_i, third, &azimuths)
         }
-        Parameters::HalfDifference => Cut::new(Chart::Half { theta_i }, phi_i, first, &[]),
+        Parameters::HalfDifference => Cut::new(Parametrisation::Half { theta_i }, phi_i, first, &[]),
     })
 }
 
@@ -408,11 +408,11 @@ fn of_scattered(scattered: &Scattered, theta_i: f64, phi_i: f64) -> Option<Cut> 
     }
     let (polar, azimuths) = scattered.outgoing_nodes(theta_i, phi_i)?;
     let few = |nodes: Vec<f64>| if nodes.len() > MOST_NODES { Vec::new() } else { nodes };
-    Some(Cut::new(Chart::Sphere, 0.0, &few(polar), &few(azimuths)))
+    Some(Cut::new(Parametrisation::Sphere, 0.0, &few(polar), &few(azimuths)))
 }
 
 fn of_warped(warped: &Warped, theta_i: f64, phi_i: f64) -> Cut {
-    Cut::new(Chart::Half { theta_i }, phi_i, &warped.polar_nodes(), &[])
+    Cut::new(Parametrisation::Half { theta_i }, phi_i, &warped.polar_nodes(), &[])
 }
 
 #[cfg(test)]
@@ -426,13 +426,13 @@ mod tests {
         let polar: Vec<f64> = (1..16).map(|i| 0.1 * f64::from(i)).collect();
         let azimuths: Vec<f64> = (1..629).map(|i| 0.01 * f64::from(i)).collect();
         for chart in [
-            Chart::Sphere,
-            Chart::Mirror { tilt: 0.0 },
-            Chart::Mirror { tilt: 0.7 },
-            Chart::Mirror { tilt: FRAC_PI_2 },
-            Chart::Distorted { tilt: 0.9 },
-            Chart::Half { theta_i: 0.0 },
-            Chart::Half { theta_i: 1.2 },
+            Parametrisation::Sphere,
+            Parametrisation::Mirror { tilt: 0.0 },
+            Parametrisation::Mirror { tilt: 0.7 },
+            Parametrisation::Mirror { tilt: FRAC_PI_2 },
+            Parametrisation::Distorted { tilt: 0.9 },
+            Parametrisation::Half { theta_i: 0.0 },
+            Parametrisation::Half { theta_i: 1.2 },
         ] {
             let cut = Cut::new(chart, 0.3, &polar, &azimuths);
             let mut sum = 0.0;

@@ -1,4 +1,4 @@
-//! What describes goniometric values: where they come from, what they are and how they were found.
+//! Metadata of goniometric values: source, quantity, channels and interpolation.
 
 use std::fmt;
 
@@ -27,9 +27,9 @@ impl fmt::Display for Format {
     }
 }
 
-/// What a file says of where its values come from.
+/// A file's statement of the source of its values.
 #[derive(Clone, Debug, PartialEq, Default, Serialize)]
-pub struct Provenance {
+pub struct FileProvenance {
     /// `Measured`, `Generated`, `Edited`, …, as the file has it.
     pub source: Option<String>,
     /// Other statements, by the file's own key words.
@@ -52,7 +52,7 @@ pub enum Side {
     Back,
 }
 
-/// What a table's numbers are. f is the BRDF or, of transmission, the BTDF: radiance per irradiance on the surface.
+/// Quantity of a table. f is the BRDF or, in transmission, the BTDF: radiance per irradiance on the surface, 1/sr.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -64,7 +64,7 @@ pub enum Quantity {
     BrightnessFactor,
     /// Specularly reflected or regularly transmitted fraction of the flux; has no density over solid angle.
     Fraction,
-    /// Of a scale that the file does not state.
+    /// Unknown scale: the file does not state it.
     Unscaled,
 }
 
@@ -90,9 +90,9 @@ impl Quantity {
     }
 }
 
-/// What the values of one geometry stand for.
+/// Meaning of the values of one geometry.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Channels {
+pub enum ChannelSet {
     /// One value of no stated colour; in Radiance files photometric.
     Monochrome,
     /// Linear, of primaries that hardly any format states.
@@ -101,7 +101,7 @@ pub enum Channels {
     Wavelengths(WavelengthGrid),
 }
 
-impl Channels {
+impl ChannelSet {
     /// Number of values of a geometry.
     pub fn count(&self) -> usize {
         match self {
@@ -123,7 +123,7 @@ impl Channels {
     }
 }
 
-/// How an evaluation came about.
+/// How an evaluated value was obtained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Placement {
@@ -131,6 +131,6 @@ pub enum Placement {
     OnNode,
     /// Linear between nodes, in the file's own parameters.
     Interpolated,
-    /// The mean of a patch or cell, as the file has it.
+    /// The mean over a patch or cell, as stored in the file.
     InCell,
 }

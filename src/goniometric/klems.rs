@@ -4,8 +4,8 @@ use super::direction::{angles_of, direction};
 use super::kinds::Placement;
 use crate::geometry::Vec3;
 
-/// Patches of the hemisphere in rings about the normal, counted outwards and, within a ring, from azimuth 0 on, on which
-/// the first patch of each ring is centred (Klems 1994).
+/// Patches of the hemisphere in rings about the normal, counted outwards and, within a ring, from azimuth 0 on, on
+/// which the first patch of each ring is centred (Klems 1994).
 #[derive(Clone, Debug, PartialEq)]
 pub struct KlemsBasis {
     pub name: String,
@@ -105,7 +105,7 @@ pub struct KlemsMatrix {
 }
 
 impl KlemsMatrix {
-    /// Lengths fit and were checked by the reader.
+    /// The reader has checked that the lengths match.
     pub(crate) fn new(incident: KlemsBasis, exiting: KlemsBasis, values: Vec<f64>) -> Self {
         debug_assert_eq!(values.len() % (incident.count() * exiting.count()), 0);
         Self {
@@ -132,7 +132,7 @@ impl KlemsMatrix {
         self.values[(channel * self.exiting.count() + exiting) * self.incident.count() + incident] += value;
     }
 
-    /// ∫ f cos θ_out dω_out per channel, of light from a direction: exact, as f is constant on patches.
+    /// ∫ f cos θ_out dω_out per channel for light from a direction: exact, because f is constant on patches.
     pub(crate) fn hemispherical(&self, omega_in: &Vec3) -> Vec<f64> {
         let incident = self.incident_patch(omega_in);
         let sum = |channel: usize| {

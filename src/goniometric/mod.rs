@@ -21,7 +21,7 @@ pub use direction::direction;
 pub use grid::Grid;
 pub(crate) use hemispherical::Hemisphere;
 pub use hemispherical::Hemispherical;
-pub use kinds::{Channels, Format, Placement, Provenance, Quantity, Scatter, Side};
+pub use kinds::{ChannelSet, FileProvenance, Format, Placement, Quantity, Scatter, Side};
 pub use klems::{KlemsBasis, KlemsMatrix};
 pub use parameters::{Fold, Parameters};
 pub use scattered::{Directions, Scattered};

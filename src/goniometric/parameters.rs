@@ -1,4 +1,4 @@
-//! The angles that tables are over, and the directions they stand for.
+//! The angular parameters of tables, and the directions they represent.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -35,7 +35,7 @@ pub enum Fold {
 }
 
 impl Fold {
-    /// The azimuths in radians that the value at a stored one stands for.
+    /// The azimuths in radians represented by the value at a stored azimuth.
     pub(crate) fn images(self, phi_rad: f64) -> Vec<f64> {
         match self {
             Self::None => vec![phi_rad],
@@ -45,7 +45,7 @@ impl Fold {
         }
     }
 
-    /// An azimuth in radians brought into the stored range.
+    /// An azimuth in radians, mapped to the stored range.
     pub(super) fn apply(self, phi_rad: f64) -> f64 {
         match self {
             Self::None => phi_rad,

@@ -4,15 +4,15 @@ use super::data::{Goniometric, Table};
 use super::grid::Grid;
 use super::parameters::Parameters;
 
-/// Nodes of a pole that differ by less, of the largest of them, are told apart by rounding alone.
+/// Relative difference of nodes at a pole below which it counts as rounding.
 const ROUNDING: f64 = 1e-9;
-/// Differences that are worth a word.
+/// Relative difference above which a warning is given.
 const TOLD: f64 = 1e-3;
-/// Radians from the pole that are the pole.
+/// Distance from the pole, radians, that counts as the pole.
 const AT_POLE_RAD: f64 = 1e-9;
 
-/// Puts the mean over azimuth, each node weighted by its share of the circle, into the nodes of every pole, and warns where
-/// they differed.
+/// Puts the mean over azimuth, each node weighted by its share of the circle, into the nodes of every pole, and warns
+/// where they differed.
 pub(crate) fn give_one_value(data: &mut Goniometric) {
     let mut largest = 0.0f64;
     for component in &mut data.components {
@@ -54,8 +54,8 @@ fn outgoing(grid: &mut Grid) -> f64 {
     largest
 }
 
-/// The pole of the first two angles, of tables that depend on the second. Where the last azimuth turns with the second angle,
-/// nodes of one direction are found only if turns lead from nodes to nodes; else the columns stay as they are.
+/// The pole of the first two angles, of tables that depend on the second. Where the last azimuth turns with the second
+/// angle, nodes of one direction are found only if turns lead from nodes to nodes; else the columns stay as they are.
 fn incident(grid: &mut Grid) -> f64 {
     let axes = grid.axes();
     if axes[0].nodes_rad()[0].abs() > AT_POLE_RAD || axes[1].nodes_rad().len() == 1 {
@@ -94,7 +94,8 @@ fn incident(grid: &mut Grid) -> f64 {
     largest
 }
 
-/// The mean of the values there are, and the largest difference from it over it; `None` where they differ by rounding alone.
+/// The mean of the values there are, and the largest difference from it over it; `None` where they differ by rounding
+/// alone.
 fn mean(values: &[f64], shares: &[f64]) -> Option<(f64, f64)> {
     let there = || values.iter().zip(shares).filter(|(value, _)| !value.is_nan());
     let (low, high) = there().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (v, _)| {

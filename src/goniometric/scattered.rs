@@ -6,21 +6,21 @@ use super::direction::angles_of;
 use super::kinds::Placement;
 use crate::geometry::Vec3;
 
-/// Readings at pairs of directions, sorted into a tree of angles: incident polar angle and azimuth, outgoing polar angle
-/// and azimuth, or, of readings in the plane of incidence alone, incident polar angle and signed view angle. Linear
-/// in each angle in turn; nothing beyond what was read. At a pole, where readings of several azimuths are of one direction, the
-/// value is their mean.
+/// Readings at pairs of directions, sorted into a tree of angles: incident polar angle and azimuth, outgoing polar
+/// angle and azimuth, or, of readings in the plane of incidence alone, incident polar angle and signed view angle.
+/// Linear in each angle in turn; nothing beyond what was read. At a pole, where readings of several azimuths are of one
+/// direction, the value is their mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scattered {
     directions: Directions,
-    /// Only one side of the plane of incidence was read; the other mirrors it.
+    /// Whether only one side of the plane of incidence was measured; the other is its mirror image.
     mirrored: bool,
     isotropic: bool,
     tree: Branch,
     channels: usize,
-    /// One row a reading, channel fastest.
+    /// One row per reading, channel fastest.
     values: Vec<f64>,
-    /// Standard errors in the order of the values, where they were stated.
+    /// Standard errors in the order of the values, if the file states them.
     errors: Option<Vec<f64>>,
 }
 
@@ -36,7 +36,7 @@ pub enum Directions {
 struct Branch {
     axis: Axis,
     below: Vec<Node>,
-    /// Share of the circle of each node, of azimuths about a pole.
+    /// For azimuths about a pole, the fraction of the circle of each node.
     about_pole: Option<Vec<f64>>,
 }
 
@@ -131,8 +131,8 @@ impl Scattered {
         rows
     }
 
-    /// Standard errors of a value, in its quantity, those of the readings around it being independent. `None` where none were
-    /// stated and outside what was read.
+    /// Standard errors of a value, in its quantity, those of the readings around it being independent. `None` where
+    /// none were stated and outside what was read.
     pub(crate) fn standard_errors(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Vec<f64>> {
         let errors = self.errors.as_ref()?;
         let around = self.around_pair(omega_in, omega_out)?;
@@ -155,8 +155,8 @@ impl Scattered {
         }
     }
 
-    /// Outgoing polar angles and azimuths in radians, some of them doubled, at which the interpolation for light from a direction
-    /// has its nodes. `None` outside what was read.
+    /// Outgoing polar angles and azimuths in radians, some of them doubled, at which the interpolation for light from a
+    /// direction has its nodes. `None` outside what was read.
     pub(crate) fn outgoing_nodes(&self, theta_i: f64, phi_i: f64) -> Option<(Vec<f64>, Vec<f64>)> {
         let around = |branch: &'_ Branch, angle: f64| {
             let between = branch.axis.locate(angle)?;
@@ -266,7 +266,7 @@ impl Scattered {
         turns_rad.retain(|turn| {
             let turned = |phi: f64| if phi + turn < TAU { phi + turn } else { phi + turn - TAU };
             let around = match self.isotropic {
-                // A turn changes nothing.
+                // Isotropic readings are invariant under rotation.
                 true => self.around_pair(omega_in, omega_out),
                 false => self.around(&[theta_i, turned(phi_i), theta_o, turned(phi_o)]),
             };
@@ -276,7 +276,7 @@ impl Scattered {
         });
     }
 
-    /// The readings around a place; `None` outside what was read.
+    /// The readings around a point; `None` outside the measured range.
     fn around(&self, angles: &[f64]) -> Option<Around> {
         let mut around = Around {
             readings: Vec::with_capacity(16),
@@ -295,9 +295,9 @@ impl Scattered {
     }
 }
 
-/// The first two readings whose azimuths differ by whole turns alone and whose values differ.
+/// The first two readings whose azimuths differ by a multiple of 360° only and whose values differ.
 fn contradiction(angles: &[Vec<f64>], channels: usize, values: &[f64]) -> Option<Twice> {
-    /// Rounding in a file of a few digits.
+    /// Rounding error of a file with few digits.
     const SAME: f64 = 1e-3;
     let mut seen: HashMap<Vec<i64>, usize> = HashMap::new();
     let row = |reading: usize| &values[reading * channels..(reading + 1) * channels];
@@ -322,7 +322,7 @@ fn contradiction(angles: &[Vec<f64>], channels: usize, values: &[f64]) -> Option
     None
 }
 
-/// Readings around a place with their shares.
+/// Readings around a point with their weights.
 struct Around {
     readings: Vec<(usize, f64)>,
     on_node: bool,

@@ -4,8 +4,8 @@ use super::kinds::Placement;
 use crate::geometry::Vec3;
 
 /// A value constant on the cells of a tree that halves each axis of the unit cube again and again, down to where the
-/// values need it. Of rank 4 the axes are the incident direction's place in the unit square (of its opposite in azimuth)
-/// and the outgoing one's; of rank 3, of isotropic data, ½ − ½ sin θ_in and the outgoing one's.
+/// values need it. Of rank 4 the axes are the incident direction's place in the unit square (of its opposite in
+/// azimuth) and the outgoing one's; of rank 3, of isotropic data, ½ − ½ sin θ_in and the outgoing one's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TensorTree {
     rank: usize,
@@ -26,7 +26,7 @@ impl TensorTree {
         Self { rank, trees }
     }
 
-    /// Cells of the finest of the trees.
+    /// Number of cells of the finest tree.
     pub fn cells(&self) -> usize {
         fn count(node: &Node) -> usize {
             match node {
@@ -50,13 +50,13 @@ impl TensorTree {
         }
         let sin = omega_in.x.hypot(omega_in.y);
         if sin > 1e-9 {
-            // Turned so that the light comes from azimuth 180 degrees.
+            // Rotated so that the light comes from azimuth 180 degrees.
             let (c, s) = (-omega_in.x / sin, -omega_in.y / sin);
             let turned = square(c * omega_out.x + s * omega_out.y, c * omega_out.y - s * omega_out.x);
             place[outgoing].copy_from_slice(&turned);
             return Some((self.at(place).0, Placement::InCell));
         }
-        // Light from the normal has no azimuth: the mean over turns of the sample.
+        // Light along the normal has no azimuth: take the mean over rotations of the sample.
         const TURNS: usize = 8;
         let (r, phi) = (omega_out.x.hypot(omega_out.y).max(1e-9), omega_out.y.atan2(omega_out.x));
         let mut mean = vec![0.0; self.channels()];
@@ -75,8 +75,8 @@ impl TensorTree {
         if self.trees.len() == 3 { 3 } else { 1 }
     }
 
-    /// ∫ f cos θ_out dω_out a channel, of light from a direction: exact, as f is constant on the leaves and the map from
-    /// the disc of projected directions to the square keeps areas.
+    /// ∫ f cos θ_out dω_out a channel, of light from a direction: exact, as f is constant on the leaves and the map
+    /// from the disc of projected directions to the square keeps areas.
     pub(crate) fn hemispherical(&self, omega_in: &Vec3) -> Vec<f64> {
         let place = self.incident_place(omega_in);
         let mut sums = vec![0.0; self.channels()];
@@ -132,7 +132,7 @@ impl TensorTree {
     }
 }
 
-/// The value of a leaf, and how often the axes were halved down to it.
+/// The value of a leaf, and the number of halvings of the axes down to it.
 fn leaf(mut node: &Node, rank: usize, mut place: [f64; 4]) -> (f64, usize) {
     let mut depth = 0;
     loop {

@@ -19,13 +19,13 @@ pub struct Warped {
     warp: Vec<Density>,
 }
 
-/// The part of the circle of incident azimuths that is stored; the rest follows from a symmetry of the material.
+/// Stored part of the circle of incident azimuths; the rest follows from a symmetry of the material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reduction {
     Whole,
-    /// Half of it: a half turn about the normal changes nothing.
+    /// Half: the material is invariant under rotation by 180° about the normal.
     HalfTurn,
-    /// A quarter: mirroring at either axis changes nothing.
+    /// A quarter: the material is invariant under reflection at either axis.
     TwoMirrors,
 }
 
@@ -39,7 +39,7 @@ pub(crate) struct Negative {
     pub(crate) positive_sum: f64,
 }
 
-/// As they stand in the file, slices in the order φ_i, θ_i.
+/// Values in the order of the file; slices in the order φ_i, θ_i.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Arrays {
     pub(crate) isotropic: bool,
@@ -78,10 +78,10 @@ impl Reduction {
         };
         let within = first + beyond;
         if self == Self::HalfTurn || beyond <= FRAC_PI_2 + 1e-5 {
-            // Turned by a multiple of half a turn.
+            // Rotated by a multiple of 180°.
             [within, phi_m + within - phi_i]
         } else {
-            // Mirrored at the axis of the first azimuth, and turned.
+            // Mirrored at the axis of the first azimuth, and rotated.
             let mirrored = first + PI - beyond;
             [mirrored, mirrored + phi_i - phi_m]
         }
@@ -228,7 +228,7 @@ impl Warped {
         found
     }
 
-    /// Whether incident azimuths go all the way round, as pbrt and powitacq need them; or there is one.
+    /// Whether incident azimuths cover the full circle, as pbrt and powitacq require, or there is only one.
     pub(crate) fn covers_circle(&self) -> bool {
         let phi_i = &self.arrays.phi_i;
         self.arrays.isotropic || phi_i[phi_i.len() - 1] - phi_i[0] > TAU - 1e-3
@@ -243,8 +243,8 @@ impl Warped {
         }
     }
 
-    /// Polar angles of half vectors in radians at which the warp, the distribution of normals or, without a warp, the values have
-    /// their nodes.
+    /// Polar angles of half vectors in radians at which the warp, the distribution of normals or, without a warp, the
+    /// values have their nodes.
     pub(crate) fn polar_nodes(&self) -> Vec<f64> {
         let a = &self.arrays;
         let mut columns = vec![a.vndf_shape[1], a.ndf_shape[1]];
@@ -347,8 +347,8 @@ impl Warped {
         Some((values, placement))
     }
 
-    /// Where the half vector's place in the unit square came from: marginal over rows, then conditional along columns, of
-    /// the interpolated density.
+    /// Where the half vector's place in the unit square came from: marginal over rows, then conditional along columns,
+    /// of the interpolated density.
     fn inverse_warp(&self, slices: &[(usize, f64); 4], y: f64, x: f64) -> [f64; 2] {
         let [rows, columns] = self.arrays.vndf_shape;
         let ((row, ty), (column, tx)) = (place(y, rows), place(x, columns));
@@ -379,8 +379,8 @@ fn half_angles(omega_in: &Vec3, omega_out: &Vec3) -> Option<[(f64, f64); 2]> {
     (half.norm_squared() >= 1e-24).then(|| [angles_of(omega_in), angles_of(&half)])
 }
 
-/// Directions to light and viewer of a node of an unwarped square of n × n nodes, row y and column x; the viewer's may be
-/// below the horizon.
+/// Directions to light and viewer of a node of an unwarped square of n × n nodes, row y and column x; the viewer's may
+/// be below the horizon.
 pub(crate) fn unwarped_node(theta_i: f64, phi_i: f64, isotropic: bool, n: usize, [y, x]: [usize; 2]) -> (Vec3, Vec3) {
     let unit = |node: usize| node as f64 / (n - 1) as f64;
     let theta_m = unit(x) * unit(x) * FRAC_PI_2;

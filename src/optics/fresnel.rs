@@ -1,8 +1,9 @@
-//! Fresnel's equations of a smooth dielectric interface for unpolarised light (Born & Wolf, Principles of Optics, §1.5).
+//! Fresnel's equations of a smooth dielectric interface for unpolarised light (Born & Wolf, Principles of Optics,
+//! §1.5).
 
 use crate::fault::{self, Fault};
 
-/// What an interface does to unpolarised light.
+/// Reflection and refraction of unpolarised light at an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interface {
     /// Reflected fraction of the power, mean of both polarisations; 1 at total internal reflection.

@@ -11,13 +11,13 @@ const PACKING_LIMIT: f64 = 0.74;
 const G_TOLERANCE: f64 = 1e-6;
 const FIRST_NODES: usize = 257;
 const LAST_NODES: usize = 65_537;
-/// Panels after which the integrals over the structure factor are refined no more.
+/// Largest number of panels of the integrals over the structure factor.
 const MOST_PANELS: usize = 1 << 16;
 
-/// How particles close to each other scatter.
+/// Treatment of interference between neighbouring particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interference {
-    /// Each as if alone.
+    /// Each particle scatters independently.
     Independent,
     /// dC/dΩ times the Percus–Yevick structure factor of hard spheres of the particles' own diameter.
     PercusYevick,
@@ -34,9 +34,9 @@ pub struct MediumSpec {
     pub particle_kappa: Spectrum,
     /// Absorption coefficient the host adds to that of the particles, ≥ 0, 1/mm of the medium.
     pub host_mu_a_per_mm: Spectrum,
-    /// > 0, nm.
+    /// Diameter of the particles, > 0, nm.
     pub particle_diameter_nm: f64,
-    /// Share of the volume that is particles, 0..0.74.
+    /// Volume fraction of the particles, 0..0.74.
     pub volume_fraction: f64,
     pub interference: Interference,
 }
@@ -53,11 +53,11 @@ pub struct Medium {
 }
 
 impl Medium {
-    /// Coefficients and phase tables from the Mie series, all wavelengths with one node count, doubled until every table's
-    /// asymmetry parameter is within 1e-6 of the exact one.
+    /// Coefficients and phase tables from the Mie series, all wavelengths with one node count, doubled until every
+    /// table's asymmetry parameter is within 1e-6 of the exact one.
     ///
     /// # Errors
-    /// What [`Medium::with_phase_nodes`] refuses; spheres so large that 65537 nodes do not resolve their phase function.
+    /// As [`Medium::with_phase_nodes`]; also spheres so large that 65537 nodes do not resolve their phase function.
     pub fn new(spec: &MediumSpec, grid: &WavelengthGrid) -> Result<Self, OpticsError> {
         let spheres = spheres(spec, grid)?;
         let mut nodes = FIRST_NODES;
@@ -85,8 +85,8 @@ impl Medium {
     /// The same with a given number of nodes a table and no check of their resolution.
     ///
     /// # Errors
-    /// Names the quantity, its unit and range: diameter ≤ 0, volume fraction outside 0..0.74, index ≤ 0, κ or μ_a < 0, a
-    /// spectrum that does not cover the grid, a size parameter outside the domain of [`Mie`], too few nodes.
+    /// Names the quantity, its unit and range: diameter ≤ 0, volume fraction outside 0..0.74, index ≤ 0, κ or μ_a < 0,
+    /// a spectrum that does not cover the grid, a size parameter outside the domain of [`Mie`], too few nodes.
     pub fn with_phase_nodes(spec: &MediumSpec, grid: &WavelengthGrid, nodes: usize) -> Result<Self, OpticsError> {
         let spheres = spheres(spec, grid)?;
         let phases = phases(&spheres, nodes)?;
@@ -168,13 +168,14 @@ impl Medium {
         &self.phases[i]
     }
 
-    /// Whether the host's index changes over the grid, so that refracted directions differ from one wavelength to another.
+    /// Whether the host's index changes over the grid, so that refracted directions differ from one wavelength to
+    /// another.
     pub fn is_dispersive(&self) -> bool {
         self.host_index.iter().any(|n| *n != self.host_index[0])
     }
 }
 
-/// One wavelength of a spec, solved.
+/// Solution at one wavelength of a spec.
 struct Sphere {
     wavelength_nm: f64,
     host_index: f64,
@@ -332,7 +333,8 @@ fn phases(spheres: &[Sphere], nodes: usize) -> Result<Vec<Phase>, OpticsError> {
     spheres.iter().map(table).collect()
 }
 
-/// The tables as the named fault would have them, behind the refinement, which refuses tables whose g is not the sphere's.
+/// The tables as the named fault would have them, behind the refinement, which refuses tables whose g is not the
+/// sphere's.
 fn faulty(spheres: &[Sphere], phases: Vec<Phase>) -> Result<Vec<Phase>, OpticsError> {
     let one_polarisation = fault::active(Fault::OnePolarisation);
     if !one_polarisation && !fault::active(Fault::InterferenceUnused) {

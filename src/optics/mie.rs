@@ -9,9 +9,11 @@
 //! ```
 //!
 //! Three rearrangements keep the digits those formulas lose in double precision:
-//! * D_n(z) = (n+1)/z − z r_n(z) with r_n = 1/(2n+3 − z² r_{n+1}), iterated downwards. The large (n+1)/z of the inside and
+//! * D_n(z) = (n+1)/z − z r_n(z) with r_n = 1/(2n+3 − z² r_{n+1}), iterated downwards. The large (n+1)/z of the inside
+//! and
 //!   the outside then cancel on paper, so spheres down to x = 1e-6 need no separate expansion.
-//! * Re a_n − |a_n|² = −Im A_n / |A_n ξ_n − ξ_n'|², by the Wronskian of ψ and χ. Absorption is a sum of terms of one sign,
+//! * Re a_n − |a_n|² = −Im A_n / |A_n ξ_n − ξ_n'|², by the Wronskian of ψ and χ. Absorption is a sum of terms of one
+//! sign,
 //!   never a difference of extinction and scattering; it is exactly 0 for a real m.
 //! * Beyond n = x, ψ_n follows from r_n, χ_n and the Wronskian, not from its unstable upward recurrence.
 //!
@@ -111,7 +113,7 @@ impl Mie {
         let coefficients = (1..=outside.last())
             .map(|n| {
                 let (psi, chi, psi_prime, chi_prime) = outside.at(n);
-                Coefficients {
+                SeriesCoefficients {
                     a: Partial::new(psi_prime.into(), chi_prime.into(), 0.0),
                     b: Partial::new(psi.into(), chi.into(), 0.0),
                 }
@@ -125,7 +127,8 @@ impl Mie {
     }
 
     /// Amplitudes (S1, S2) for light polarised across and along the scattering plane at a scattering angle of the given
-    /// cosine, −1..=1 (Bohren and Huffman 4.74). dC_sca/dΩ = |S|²/k² with k = 2π n_host/λ; S1 = S2 at 0°, S1 = −S2 at 180°.
+    /// cosine, −1..=1 (Bohren and Huffman 4.74). dC_sca/dΩ = |S|²/k² with k = 2π n_host/λ; S1 = S2 at 0°, S1 = −S2 at
+    /// 180°.
     pub fn amplitudes(&self, cos_theta: f64) -> (Complex64, Complex64) {
         let (mut even, mut odd) = (Complex64::ZERO, Complex64::ZERO);
         let (mut pi, mut pi_below) = (1.0, 0.0);
@@ -150,8 +153,8 @@ impl Mie {
         0.5 * (s1.norm_sqr() + s2.norm_sqr())
     }
 
-    fn from_coefficients(x: f64, mut series: Vec<Coefficients>) -> Self {
-        let size = |n: usize, c: &Coefficients| (2 * n + 3) as f64 * (c.a.value.norm() + c.b.value.norm());
+    fn from_coefficients(x: f64, mut series: Vec<SeriesCoefficients>) -> Self {
+        let size = |n: usize, c: &SeriesCoefficients| (2 * n + 3) as f64 * (c.a.value.norm() + c.b.value.norm());
         let largest = series.iter().enumerate().map(|(n, c)| size(n, c)).fold(0.0, f64::max);
         while series.len() > 3
             && series
@@ -162,7 +165,7 @@ impl Mie {
         }
         let efficiencies = efficiencies(x, &series);
         let weight = |n: usize| (2 * n + 3) as f64 / ((n + 1) * (n + 2)) as f64;
-        let combine = |f: fn(&Coefficients) -> Complex64| -> Vec<Complex64> {
+        let combine = |f: fn(&SeriesCoefficients) -> Complex64| -> Vec<Complex64> {
             series.iter().enumerate().map(|(n, c)| f(c) * weight(n)).collect()
         };
         Self {
@@ -212,12 +215,12 @@ impl Partial {
     }
 }
 
-struct Coefficients {
+struct SeriesCoefficients {
     a: Partial,
     b: Partial,
 }
 
-fn dielectric(m: Complex64, x: f64) -> Vec<Coefficients> {
+fn dielectric(m: Complex64, x: f64) -> Vec<SeriesCoefficients> {
     let outside = Outside::new(x);
     let inside = ratios(m * x, outside.last());
     let m2 = m * m;
@@ -235,7 +238,7 @@ fn dielectric(m: Complex64, x: f64) -> Vec<Coefficients> {
                 ),
                 None => (electric * psi - psi_prime, magnetic * psi - psi_prime),
             };
-            Coefficients {
+            SeriesCoefficients {
                 a: Partial::new(p_a, electric * chi - chi_prime, -electric.im),
                 b: Partial::new(p_b, magnetic * chi - chi_prime, -magnetic.im),
             }
@@ -244,7 +247,7 @@ fn dielectric(m: Complex64, x: f64) -> Vec<Coefficients> {
 }
 
 /// Sums of Bohren and Huffman 4.61, 4.62, 4.82 and the asymmetry parameter of their section 4.5.
-fn efficiencies(x: f64, series: &[Coefficients]) -> Efficiencies {
+fn efficiencies(x: f64, series: &[SeriesCoefficients]) -> Efficiencies {
     let (mut scattered, mut absorbed, mut asymmetry) = (0.0, 0.0, 0.0);
     let mut back = Complex64::ZERO;
     let mut lost = Complex64::ZERO;
@@ -297,7 +300,8 @@ struct Outside {
 
 impl Outside {
     fn new(x: f64) -> Self {
-        // Orders up to where ψ_n/χ_n is below 1e-16 (Airy asymptotics of the transition region; Wiscombe's 4.05 reaches 1e-7).
+        // Orders up to where ψ_n/χ_n is below 1e-16 (Airy asymptotics of the transition region; Wiscombe's 4.05 reaches
+        // 1e-7).
         let last = (x + 7.0 * x.cbrt() + 5.0).ceil() as usize;
         let turn = (x.ceil() as usize).max(1);
         let (sin, cos) = x.sin_cos();

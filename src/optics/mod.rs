@@ -1,4 +1,5 @@
-//! Light and matter at the scale of the wavelength: interfaces, single spheres, phase functions and the medium they make.
+//! Light and matter at the scale of the wavelength: interfaces, single spheres, phase functions and the medium they
+//! make.
 
 pub mod fresnel;
 mod medium;
@@ -15,7 +16,7 @@ pub use structure_factor::percus_yevick;
 
 use crate::spectrum::SpectrumError;
 
-/// What is wrong with an input of the optics.
+/// Invalid input to the optics.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum OpticsError {
     #[error("{quantity}: expected {expected}, found {found}; {remedy}")]
@@ -53,7 +54,7 @@ pub enum OpticsError {
     Spectrum(#[from] SpectrumError),
 }
 
-/// What a medium is made of.
+/// Properties that define a medium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Property {
     HostIndex,
@@ -79,7 +80,8 @@ impl Property {
 }
 
 impl OpticsError {
-    /// The key of a study's medium that sets what is wrong. A phase function is that of particles too large or too small for it.
+    /// The key of a study's medium that sets what is wrong. A phase function is that of particles too large or too
+    /// small for it.
     pub fn key(&self) -> &'static str {
         match self {
             Self::Domain { of, .. } => of.key(),

@@ -3,7 +3,7 @@
 use crate::fault::{self, Fault};
 use std::f64::consts::PI;
 
-/// What is wrong with a phase function.
+/// Invalid phase function.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PhaseError {
     #[error("the phase function at cos θ = {cos_theta} is {found}; expected a finite value ≥ 0, 1/sr")]
@@ -140,7 +140,7 @@ impl HenyeyGreenstein {
     }
 }
 
-/// The phase functions the tracer knows.
+/// Phase functions supported by the tracer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Phase {
     Table(PhaseTable),

@@ -4,7 +4,8 @@
 /// dC/dΩ of one particle times S is what a particle contributes in the dense medium.
 ///
 /// `qd` = q d ≥ 0 with q = 2k sin(θ/2) the change of wave vector in the host and d the diameter;
-/// `volume_fraction` within 0..0.74 (validated where a medium is made). Dimensionless and positive; relative accuracy 1e-10.
+/// `volume_fraction` within 0..0.74 (validated where a medium is made). Dimensionless and positive; relative accuracy
+/// 1e-10.
 pub fn percus_yevick(qd: f64, volume_fraction: f64) -> f64 {
     let eta = volume_fraction;
     let denominator = (1.0 - eta).powi(4);

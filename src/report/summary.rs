@@ -3,8 +3,8 @@ use super::{EffortNote, Notice, ReportData, ledger_table};
 use crate::compare::{Channel, Rmse, RmseRatio, Role, Source, SourceId, Table1Name, Verdict};
 use std::fmt::Write;
 
-/// The summary that `report` prints: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every notice and
-/// fallback.
+/// The summary that `report` prints: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every notice
+/// and fallback.
 pub fn summary(data: &ReportData) -> String {
     let mut text = String::new();
     table1(&mut text, data);

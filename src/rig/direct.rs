@@ -8,39 +8,40 @@ use crate::yarn::{ResponseWeights, WeightTally, YarnError, YarnResponse, YarnRes
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Direct light as the rig's camera sees it, the preprint's: L = f* E⊥ V at the ends of camera rays, V the shadow of other yarns.
+/// Direct light as in the preprint: L = f* E⊥ V at the ends of camera rays, with V the visibility of the light past
+/// other yarns (0 or 1).
 #[derive(Clone, Copy, Debug)]
 pub struct Direct<'a> {
     cloth: &'a Cloth,
     /// Axes of f*.
     grid: YarnResponseGrid,
-    /// f* that differ: one, or two for warp and weft.
+    /// Number of different f*: one, or two for warp and weft.
     responses: usize,
     pixels: PixelSamples,
     seed: u64,
 }
 
-/// What the camera sees of the cloth in one batch: weights of the cells of the f* tables, by beam and view. They depend on the
-/// weave, the rig and the axes of the tables alone, so one batch of camera rays shades with the tables of many media.
+/// One batch of camera rays: weights of the cells of the f* tables, by beam and view. They depend only on the weave,
+/// the rig and the axes of the tables, so one batch can be shaded with the tables of many media.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraBatch {
-    /// [beam][view].
+    /// Weights at `[beam][view]`.
     seen: Vec<Vec<SeenCloth>>,
 }
 
-/// The cloth from one view in one beam.
+/// The cloth as seen from one view in one beam.
 #[derive(Clone, Debug, PartialEq)]
 struct SeenCloth {
     cos_i: f64,
-    /// Of each f*.
+    /// Weights for each f*.
     weights: Vec<ResponseWeights>,
 }
 
-/// Beams that light what one view sees: its place among the beams, its place among that beam's views, and the light.
+/// A beam that illuminates a view: index of the beam, index of the view among that beam's views, and the beam.
 type LitBy<'a> = (usize, usize, &'a LitViews);
 
 impl<'a> Direct<'a> {
-    /// `responses` f* that differ, on `grid`: one, or two for warp and weft.
+    /// `responses`: number of different f* on `grid`, one, or two for warp and weft.
     pub fn new(scene: &Scene<'a>, responses: usize, grid: YarnResponseGrid, pixels: PixelSamples) -> Self {
         Self {
             cloth: scene.cloth,
@@ -51,8 +52,8 @@ impl<'a> Direct<'a> {
         }
     }
 
-    /// Sends the rays of batch number `batch`. All beams share the rays of a view, and a view has the same rays whatever else
-    /// is measured.
+    /// Traces the camera rays of batch `batch`. All beams share the rays of a view, and the rays of a view do not
+    /// depend on what else is measured.
     pub fn look(&self, lit: &[LitViews], batch: usize) -> CameraBatch {
         let mut views: BTreeMap<usize, Vec<LitBy>> = BTreeMap::new();
         for (beam, lit) in lit.iter().enumerate() {
@@ -75,8 +76,8 @@ impl<'a> Direct<'a> {
         CameraBatch { seen }
     }
 
-    /// Weights of one view in the cloth's mean radiance per irradiance normal to each beam: the mean over camera rays, nothing behind
-    /// a gap. Do not multiply by the cosine of the light: f* includes it.
+    /// Weights of one view for the cloth's mean radiance per irradiance normal to each beam. This is the mean over
+    /// camera rays; rays through gaps contribute 0. Do not multiply by the cosine of incidence: f* includes it.
     fn see(
         &self,
         number: usize,
@@ -115,7 +116,8 @@ impl<'a> Direct<'a> {
 }
 
 impl CameraBatch {
-    /// Diffuse β at [beam][view][wavelength] of yarns that scatter by `responses`, as many as [`Direct`] knows of, on its grid.
+    /// Diffuse β at `[beam][view][wavelength]` for yarns with the given responses; number and grid must be those of
+    /// [`Direct`].
     pub fn shade(&self, responses: &[YarnResponse]) -> Vec<Vec<Vec<f64>>> {
         let wavelengths = responses.first().map_or(0, YarnResponse::wavelengths);
         let of_view = |SeenCloth { cos_i, weights }: &SeenCloth| {

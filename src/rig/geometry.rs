@@ -2,35 +2,35 @@ use super::{omega_in, omega_out};
 use crate::cloth::light::{Beam, LitBatch, LitViews, ViewCones};
 use serde::{Deserialize, Serialize};
 
-/// Direction of light and of view in the plane of incidence.
+/// Directions of light and view in the plane of incidence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Geometry {
-    /// From the cloth's normal, 0 or more.
+    /// Angle of incidence from the cloth's normal, degrees, 0 or more.
     pub theta_i_deg: f64,
-    /// Signed, negative on the light's side of the normal.
+    /// Signed view angle, degrees, negative on the light's side of the normal.
     pub theta_v_deg: f64,
 }
 
 impl Geometry {
-    /// Normal incidence and view, of which the ratios of Table 1 are.
+    /// Normal incidence and view: the reference of the ratios in Table 1.
     pub const NORMAL: Self = Self {
         theta_i_deg: 0.0,
         theta_v_deg: 0.0,
     };
 }
 
-/// Geometries by incidence: each beam once, with the views that look at what it lights.
+/// Geometries grouped by incidence: each beam once, with its views.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BeamsOfRig {
     lit: Vec<LitViews>,
-    /// Of each beam's views their numbers among the geometries.
+    /// For each beam, the indices of its views among the geometries.
     places: Vec<Vec<usize>>,
     geometries: usize,
 }
 
 impl BeamsOfRig {
-    /// Beams in the order in which their incidences first come up. The azimuth is that of the plane of incidence from the warp;
-    /// the half angle, in radians, that of the detector's aperture.
+    /// Beams in the order in which their incidences first occur. `azimuth_deg` is the azimuth of the plane of incidence
+    /// from the warp; `half_angle` that of the detector's aperture, radians.
     pub fn new(geometries: &[Geometry], azimuth_deg: f64, half_angle: f64) -> Self {
         let mut incidences: Vec<f64> = Vec::new();
         for geometry in geometries {
@@ -65,12 +65,12 @@ impl BeamsOfRig {
         &self.lit
     }
 
-    /// Numbers of geometries, one of each beam.
+    /// Index of the first geometry of each beam.
     pub fn first_of_beams(&self) -> impl Iterator<Item = usize> + '_ {
         self.places.iter().filter_map(|places| places.first().copied())
     }
 
-    /// Adds up what several ways of following light give: β at [geometry][wavelength].
+    /// Sums the results of several integrators: β at `[geometry][wavelength]`.
     pub fn sum<'b>(&self, parts: impl IntoIterator<Item = &'b LitBatch>, wavelengths: usize) -> Vec<Vec<f64>> {
         let mut sums = vec![vec![0.0; wavelengths]; self.geometries];
         for (part, places) in parts.into_iter().zip(self.places.iter().cycle()) {
@@ -82,7 +82,7 @@ impl BeamsOfRig {
     }
 }
 
-/// Tells the random streams of angles apart: an angle in millionths of a degree.
+/// Number that separates the random streams of angles: the angle in millionths of a degree.
 pub fn number_of(angle_deg: f64) -> usize {
     (angle_deg * 1e6).round() as isize as usize
 }

@@ -1,8 +1,8 @@
-//! The virtual goniophotometer: a parallel beam, an orthographic camera, the cloth's unit cell seen through it, and the full BSDF.
+//! The virtual goniophotometer: a parallel beam, an orthographic camera on the cloth's unit cell, and the full BSDF.
 //!
-//! Angles from the cloth's normal (+z). The plane of incidence holds the normal and makes the azimuth a with x. Light
-//! comes from ω_in = (−sinθ_i cos a, −sinθ_i sin a, cosθ_i); the signed view angle is negative on the light's side:
-//! ω_out = (sinθ_v cos a, sinθ_v sin a, cosθ_v), so the mirror direction of θ_i is θ_v = +θ_i.
+//! Angles are from the cloth's normal (+z). The plane of incidence contains the normal and is at azimuth a from x.
+//! Light comes from ω_in = (−sinθ_i cos a, −sinθ_i sin a, cosθ_i); the signed view angle is negative on the light's
+//! side: ω_out = (sinθ_v cos a, sinθ_v sin a, cosθ_v), so the mirror direction of θ_i is θ_v = +θ_i.
 
 pub mod bsdf;
 mod direct;
@@ -18,7 +18,7 @@ use crate::geometry::Vec3;
 use crate::shading::BrightnessFactor;
 use std::f64::consts::PI;
 
-/// Angles of a measurement, all in one plane.
+/// Angles of a measurement in one plane of incidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rig {
     incidences_deg: Vec<f64>,
@@ -36,7 +36,11 @@ impl Default for Rig {
 }
 
 impl Rig {
-    /// Incidences from 0° to below 90°, signed views strictly between −90° and 90°, at least one of each.
+    /// Incidences in degrees, from 0 to below 90, and signed view angles, strictly between −90 and 90; at least one
+    /// each.
+    ///
+    /// # Errors
+    /// [`RigError`] if an angle is out of range or a list is empty.
     pub fn new(incidences_deg: Vec<f64>, views_deg: Vec<f64>) -> Result<Self, RigError> {
         if incidences_deg.is_empty() || views_deg.is_empty() {
             return Err(RigError::NoAngles);
@@ -80,14 +84,14 @@ pub fn omega_out(theta_v_deg: f64, azimuth_deg: f64) -> Vec3 {
     Vec3::new(sin_theta * cos_azimuth, sin_theta * sin_azimuth, cos_theta)
 }
 
-/// π L / (E⊥ cosθ_i) from the mean radiance over the cell per irradiance normal to the beam, L / E⊥ in 1/sr. The mean
-/// over the cell is the radiance of the cloth as seen from afar: the preprint's division of a sum over pixels by cosθ_v
-/// is already in it.
+/// Brightness factor π L / (E⊥ cosθ_i) from the mean radiance over the cell per irradiance normal to the beam, L / E⊥
+/// in 1/sr. The mean over the cell is the radiance of the cloth seen from a distance; it already includes the division
+/// by cosθ_v that the preprint applies to its sum over pixels.
 pub fn brightness_factor(mean_radiance_per_normal_irradiance: f64, cos_theta_i: f64) -> BrightnessFactor {
     BrightnessFactor(PI * mean_radiance_per_normal_irradiance / cos_theta_i)
 }
 
-/// What is wrong with the rig.
+/// Invalid rig.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RigError {
     #[error("the rig needs at least one incidence and one view angle")]

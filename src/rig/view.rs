@@ -4,7 +4,7 @@ use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
 
-/// Smallest cosine to the normal at which a visible point is shaded.
+/// Smallest cosine between view direction and normal at which a visible point is shaded.
 const GRAZING_COSINE: f64 = 1e-6;
 
 /// Strata of the unit cell, one jittered camera ray in each.
@@ -28,22 +28,22 @@ impl PixelSamples {
     }
 }
 
-/// What a camera ray meets.
+/// Intersection of a camera ray with the cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interaction {
-    /// Components (tangent, axis, normal) of the direction towards the viewer, above the surface: at an outline, where rounding
-    /// may leave it below, it is turned up to a cosine of 1e-6.
+    /// Unit vector (tangent, axis, normal) towards the viewer, above the surface. At a silhouette, where rounding may
+    /// put it below the surface, it is rotated up to a cosine of 1e-6.
     pub omega_out_local: Vec3,
     pub hit: Hit,
 }
 
 impl Interaction {
-    /// Components of a direction towards the light; `None` where another yarn stands between. The yarn's own shadow is
-    /// part of its response f*, so any direction of the sphere may come back.
+    /// Local components of the direction towards the light; `None` if another yarn blocks it. f* includes the yarn's
+    /// own shadow, so the direction may lie below the surface.
     pub fn light(&self, cloth: &Cloth, omega_in: &Vec3) -> Option<Vec3> {
         let hit = &self.hit;
         let owner = if fault::active(Fault::OwnShadow) {
-            // A yarn that no cloth has.
+            // An identity that no yarn of a cloth has.
             YarnId {
                 index: u32::MAX,
                 ..hit.yarn
@@ -55,12 +55,12 @@ impl Interaction {
     }
 }
 
-/// Sees one unit cell from far away along `omega_out`, on either side of the cloth's plane, and hands every camera ray's interaction
-/// to `visit`, `None` for a ray through a gap. The light may come from anywhere, also from the other side: what a ray
-/// meets does not depend on it.
+/// Views one unit cell from infinity along `omega_out`, on either side of the cloth's plane, and passes the
+/// intersection of every camera ray to `visit`: `None` for a ray through a gap. Intersections do not depend on the
+/// light, which may come from any direction, also from the other side.
 ///
-/// Rays are evenly spread over the cell in the cloth's plane, so the plain mean of the radiances that `visit` finds,
-/// gaps included, is the radiance of the cloth; do not divide by cosθ_v: the mean already includes it.
+/// Rays are uniform over the cell in the cloth's plane, so the mean of the radiances over all rays, gaps included, is
+/// the radiance of the cloth. Do not divide by cosθ_v: the mean already includes it.
 pub fn view_cell(
     cloth: &Cloth,
     omega_out: &Vec3,
@@ -89,7 +89,7 @@ fn above_horizon(local: Vec3) -> Vec3 {
     if local.z >= GRAZING_COSINE {
         return local;
     }
-    // A direction straight down never comes here: the viewer sees the point.
+    // The direction is never opposite to the normal, because the viewer sees the point.
     let along_surface = Vec3::new(local.x, local.y, 0.0).normalize();
     along_surface * (1.0 - GRAZING_COSINE * GRAZING_COSINE).sqrt() + Vec3::z() * GRAZING_COSINE
 }

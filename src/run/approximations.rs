@@ -6,13 +6,13 @@ use crate::report::{ApproximationRow, Approximations, LocalityRow};
 use crate::rig::Geometry;
 use crate::sample::Reading;
 use crate::shading::{Basis, DEFAULT_MODELS, classical_model};
-use crate::study::{Bounces, MethodChoice, Study, StudyError};
+use crate::study::{BounceLimit, MethodChoice, Study, StudyError};
 use crate::transport::Estimate;
 use crate::yarn::{Yarn, scattered_beyond};
 use std::iter::zip;
 
 /// The study with this method and these bounces.
-fn variant(study: &Study, method: MethodChoice, bounces: Bounces) -> Study {
+fn variant(study: &Study, method: MethodChoice, bounces: BounceLimit) -> Study {
     let mut study = study.clone();
     study.cloth.method = method;
     study.cloth.bounces = bounces;
@@ -20,10 +20,10 @@ fn variant(study: &Study, method: MethodChoice, bounces: Bounces) -> Study {
 }
 
 /// The methods that are compared.
-const VARIANTS: [(MethodChoice, Bounces); 3] = [
-    (MethodChoice::Volumetric, Bounces::ALL),
-    (MethodChoice::RadianceFactor, Bounces::Most(0)),
-    (MethodChoice::RadianceFactor, Bounces::ALL),
+const VARIANTS: [(MethodChoice, BounceLimit); 3] = [
+    (MethodChoice::Volumetric, BounceLimit::ALL),
+    (MethodChoice::RadianceFactor, BounceLimit::Most(0)),
+    (MethodChoice::RadianceFactor, BounceLimit::ALL),
 ];
 
 /// [`check_memory`] of what [`approximations`] simulates.

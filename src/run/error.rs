@@ -10,7 +10,7 @@ use crate::rig::RigError;
 use crate::sample::SampleError;
 use crate::shading::ShadingError;
 use crate::spectrum::SpectrumError;
-use crate::study::{Origin, Place, Study, StudyError};
+use crate::study::{FileLine, Origin, Study, StudyError};
 use crate::weave::WeaveError;
 use crate::yarn::YarnError;
 use std::path::PathBuf;
@@ -36,7 +36,8 @@ pub enum RunError {
         section: &'static str,
         source: SpectrumError,
     },
-    /// A table that stands for the dye or a number of a medium: not there, no table of a spectrum, or not over the study's wavelengths.
+    /// A table that stands for the dye or a number of a medium: not there, no table of a spectrum, or not over the
+    /// study's wavelengths.
     #[error("`{section}.{key}`: {source}")]
     Table {
         section: &'static str,
@@ -49,7 +50,10 @@ pub enum RunError {
     Backing { source: SpectrumError },
     /// What is wrong with the value of a key, and where the key stands.
     #[error("{place}: {source}")]
-    At { place: Box<Place>, source: Box<RunError> },
+    At {
+        place: Box<FileLine>,
+        source: Box<RunError>,
+    },
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
     /// A medium that its keys do not make; `key` is the one that the error is of.

@@ -7,11 +7,12 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// What a file of this field is, told by its content alone: for the message to a user who gave one where another is due.
+/// What a file of this field is, told by its content alone: for the message to a user who gave one where another is
+/// due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
     Study,
-    Artefact(artefact::Kind),
+    Artefact(artefact::ArtefactKind),
     /// Readings of a sample as CSV, or a folder with `sample.toml` and `data.csv`.
     Sample,
     /// `sample.toml` by itself.
@@ -52,7 +53,7 @@ impl FileKind {
         if !path.is_file() {
             return None;
         }
-        if let Some(kind) = artefact::Kind::of(path) {
+        if let Some(kind) = artefact::ArtefactKind::of(path) {
             return Some(Self::Artefact(kind));
         }
         let mut bytes = Vec::new();
@@ -76,11 +77,11 @@ impl FileKind {
     fn remedy(self) -> &'static str {
         match self {
             Self::Study => "run it with `specval report STUDY`, `trace`, `measure` or `check`",
-            Self::Artefact(artefact::Kind::Artefact) => {
+            Self::Artefact(artefact::ArtefactKind::Artefact) => {
                 "change its absorption with `specval reabsorb`, or name the study it was made from"
             }
-            Self::Artefact(artefact::Kind::Shard) => "add shards with `specval merge`",
-            Self::Artefact(artefact::Kind::State) => "go on from it with --resume of the command that left it",
+            Self::Artefact(artefact::ArtefactKind::Shard) => "add shards with `specval merge`",
+            Self::Artefact(artefact::ArtefactKind::State) => "go on from it with --resume of the command that left it",
             Self::Sample => {
                 "compare with it by `specval report --measured SAMPLE`, or test it with `specval check --sample SAMPLE`"
             }
@@ -112,9 +113,9 @@ impl fmt::Display for FileKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Study => f.write_str("a study"),
-            Self::Artefact(artefact::Kind::Artefact) => f.write_str("the artefact of a trace"),
-            Self::Artefact(artefact::Kind::Shard) => f.write_str("a shard of a trace"),
-            Self::Artefact(artefact::Kind::State) => f.write_str("the state of an unfinished run"),
+            Self::Artefact(artefact::ArtefactKind::Artefact) => f.write_str("the artefact of a trace"),
+            Self::Artefact(artefact::ArtefactKind::Shard) => f.write_str("a shard of a trace"),
+            Self::Artefact(artefact::ArtefactKind::State) => f.write_str("the state of an unfinished run"),
             Self::Sample => f.write_str("a measured sample"),
             Self::SampleDescription => f.write_str("the description of a sample (sample.toml)"),
             Self::Goniometric(format) => write!(f, "a goniometric file ({format})"),
@@ -141,7 +142,8 @@ pub struct OtherKind {
 }
 
 impl OtherKind {
-    /// Why a file could not be read, if the reason is that it is none of the kinds that are due. `expected` says those in words.
+    /// Why a file could not be read, if the reason is that it is none of the kinds that are due. `expected` says those
+    /// in words.
     pub fn find(path: &Path, expected: &'static str, due: impl Fn(FileKind) -> bool) -> Option<Self> {
         let found = FileKind::of(path).filter(|found| !due(*found))?;
         Some(Self {

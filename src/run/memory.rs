@@ -1,5 +1,5 @@
-//! Memory that a run takes, from its study alone: looked at before any work, so that a study too large for the machine is refused by
-//! the key that makes it so. It decides whether a run begins, and about no result.
+//! Memory that a run takes, from its study alone: looked at before any work, so that a study too large for the machine
+//! is refused by the key that makes it so. It decides whether a run begins, and about no result.
 
 use crate::number::{shown, to_two_digits};
 use crate::study::{MethodChoice, ShadeWith, Study, StudyError};
@@ -14,8 +14,8 @@ pub enum Stage {
     Yarn,
     /// Laws as gates: `check`.
     Check,
-    /// The whole BSDF of the cloth: `bsdf`, of so many incidences that are traced, each caught in so many bins; by f*, whose
-    /// tables of all batches are then held, or through the media.
+    /// The whole BSDF of the cloth: `bsdf`, of so many incidences that are traced, each caught in so many bins; by f*,
+    /// whose tables of all batches are then held, or through the media.
     Full {
         incidences: usize,
         bins: usize,
@@ -30,7 +30,8 @@ pub const BATCHES_UNDER_WAY: usize = 4;
 const UNKNOWN_FREE: f64 = 4e9;
 /// Bytes of program, cloth and built-in tables.
 const PROGRAM: f64 = 28e6;
-/// Bytes of a camera ray's end with its place among the exit directions, and of an end of a view's ray with its position.
+/// Bytes of a camera ray's end with its place among the exit directions, and of an end of a view's ray with its
+/// position.
 const CAMERA_RAY: f64 = 320.0;
 const SIGHT: f64 = 170.0;
 /// Rays of a view where light goes from yarn to yarn, at most.
@@ -194,8 +195,8 @@ pub fn bytes(study: &Study, stage: Stage, threads: usize) -> f64 {
         Stage::Check => PROGRAM + of_patch,
         Stage::Yarn => {
             let lengths = LengthBins::DEFAULT as f64 * wavelengths * cells;
-            // Single precision of a batch, sums and squares; both estimates of f*; amounts and moments of the lengths, of the tilts one by
-            // one and together, and their sums.
+            // Single precision of a batch, sums and squares; both estimates of f*; amounts and moments of the lengths,
+            // of the tilts one by one and together, and their sums.
             PROGRAM + of_patch + 20.0 * bssrdf + 8.0 * table + 28.0 * lengths + ledgers
         }
         Stage::Full {

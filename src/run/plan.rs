@@ -143,7 +143,8 @@ impl Plan {
         }
     }
 
-    /// What light meets. Whether what the yarns' surface reflects goes on, and whether the cloth lies on the study's backing.
+    /// What light meets. Whether what the yarns' surface reflects goes on, and whether the cloth lies on the study's
+    /// backing.
     pub fn scene(&self, surface_goes_on: bool, on_backing: bool) -> Scene<'_> {
         Scene {
             cloth: &self.cloth,
@@ -228,8 +229,8 @@ pub(super) fn bssrdf_surface(trace: &TraceSection) -> Result<SurfaceGrid, YarnEr
     )
 }
 
-/// The weft's yarn, if it is not the warp's. Tables of `[medium]` that it shares were read for the warp, so what is wrong here is
-/// a key of `[weft]`.
+/// The weft's yarn, if it is not the warp's. Tables of `[medium]` that it shares were read for the warp, so what is
+/// wrong here is a key of `[weft]`.
 fn weft(study: &Study, grid: &WavelengthGrid, inputs: &mut Vec<InputDigest>) -> Result<Option<Yarn>, RunError> {
     let medium = study.weft.medium(&study.medium);
     let radius_mm = study.weft.radius_mm.unwrap_or(study.yarn.radius_mm);

@@ -115,7 +115,8 @@ impl Finder<'_> {
         })
     }
 
-    /// Two or more columns named by wavelengths. One named by a number that is no wavelength in nm is refused with its unit.
+    /// Two or more columns named by wavelengths. One named by a number that is no wavelength in nm is refused with its
+    /// unit.
     fn wide(&mut self) -> Result<Option<Values>, Box<CsvError>> {
         let (mut beta, mut se) = (Vec::new(), Vec::new());
         for (column, name) in self.table.columns().iter().enumerate() {

@@ -157,8 +157,8 @@ impl Line {
         })
     }
 
-    /// Values below 0 as a dark reading's noise leaves them: no farther than three of their standard errors, or than 2 % of the
-    /// table's largest value.
+    /// Values below 0 as a dark reading's noise leaves them: no farther than three of their standard errors, or than 2
+    /// % of the table's largest value.
     fn negative(
         &self,
         table: &CsvTable,
@@ -272,8 +272,8 @@ struct Gathered {
     points: Vec<(f64, usize)>,
 }
 
-/// Geometries whose angles differ by no more than an encoder's, put together: each reading goes to the nearest one that has not its
-/// wavelength yet. And the largest difference of an angle from that of the first reading, degrees.
+/// Geometries whose angles differ by no more than an encoder's, put together: each reading goes to the nearest one that
+/// has not its wavelength yet. And the largest difference of an angle from that of the first reading, degrees.
 fn joined(geometries: &[Gathered], entries: &[Line]) -> (Vec<Gathered>, f64) {
     let mut all: Vec<(f64, usize)> = geometries.iter().flat_map(|gathered| gathered.points.clone()).collect();
     all.sort_by_key(|point| point.1);

@@ -2,27 +2,28 @@ use super::ShadingError;
 use crate::geometry::Vec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Angular distribution of the light that the surface of a yarn of fibres reflects. The fibres lie side by side in the surface and
-/// wind about the yarn's axis; the lobe is wide across them and narrow along them.
+/// Angular distribution of the light that the surface of a yarn of fibres reflects. The fibres lie side by side in the
+/// surface and wind about the yarn's axis; the lobe is wide across them and narrow along them.
 ///
-/// Directions are unit vectors from the surface in (tangent, axis, normal) of [`crate::geometry::Frame`]. Fibres run along
-/// t = cos(twist) axis + sin(twist) tangent: as `tangent` is the same way round for either sense of `axis`, a positive twist is a
-/// right-handed screw, Z twist, of every yarn, and a negative one S twist.
+/// Directions are unit vectors from the surface in (tangent, axis, normal) of [`crate::geometry::Frame`]. Fibres run
+/// along t = cos(twist) axis + sin(twist) tangent: as `tangent` is the same way round for either sense of `axis`, a
+/// positive twist is a right-handed screw, Z twist, of every yarn, and a negative one S twist.
 ///
-/// The slopes of the facets have the anisotropic Trowbridge–Reitz distribution (E. Heitz, J. Comput. Graph. Tech. 3 (2014)
-/// 2, 48)
+/// The slopes of the facets have the anisotropic Trowbridge–Reitz distribution (E. Heitz, J. Comput. Graph. Tech. 3
+/// (2014) 2, 48)
 ///
 /// D(h) = 1 / (π α β (h_t²/α² + h_b²/β² + h_n²)²),
 ///
-/// α along the fibres, β across them. β = 1 is a bed of round fibres, β = b/a one of elliptical fibres of width a and height b:
-/// slopes across such a bed have exactly the distribution of the slopes of D across. Light meets the facets in the shares in which it
-/// sees them (Smith's masking G), and the one that is mirrored into the surface leaves as if the surface mirrored it once more:
+/// α along the fibres, β across them. β = 1 is a bed of round fibres, β = b/a one of elliptical fibres of width a and
+/// height b: slopes across such a bed have exactly the distribution of the slopes of D across. Light is distributed
+/// over the facets by their visible area (Smith's masking G); light reflected into the surface leaves as if the surface
+/// reflected it once more:
 ///
 /// p(ω_out | ω_in) = q(ω_out) + q(ω_out with its normal component reversed), q = G(ω_in) D(h) / (4 ω_in·n),
 ///
-/// with h half-way between ω_in and the direction, and q = 0 where h looks into the surface. ∫ p dω over the outer hemisphere
-/// is 1 for every ω_in, so the reflected fraction is Fresnel's reflectance of the smooth surface, the one that refracted light is
-/// computed with. Facets do not shadow what they reflect, so F p / cosθ_out is not reciprocal.
+/// with h half-way between ω_in and the direction, and q = 0 where h looks into the surface. ∫ p dω over the outer
+/// hemisphere is 1 for every ω_in, so the reflected fraction is Fresnel's reflectance of the smooth surface, the one
+/// that refracted light is computed with. Facets do not shadow what they reflect, so F p / cosθ_out is not reciprocal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FibreGloss {
     along: f64,
@@ -35,7 +36,7 @@ impl FibreGloss {
     /// `twist_rad` from −π/2 to π/2; `along` and `across`, α and β, from 0.001 to 1.
     ///
     /// # Errors
-    /// The first of them out of range.
+    /// [`ShadingError`] for the first value out of range.
     pub fn new(twist_rad: f64, along: f64, across: f64) -> Result<Self, ShadingError> {
         if !(-FRAC_PI_2..=FRAC_PI_2).contains(&twist_rad) {
             return Err(ShadingError::Twist { found_rad: twist_rad });
@@ -58,8 +59,8 @@ impl FibreGloss {
         self.along != self.across && self.sin_twist != 0.0 && self.cos_twist > 1e-12
     }
 
-    /// p(ω_out | ω_in), 1/sr; 0 where the viewer is in the surface or under it. Light a rounding under the surface counts as
-    /// grazing.
+    /// Density p(ω_out | ω_in), 1/sr; 0 if ω_out is not above the surface. Light below the surface by a rounding error
+    /// counts as grazing.
     pub fn density(&self, omega_in: &Vec3, omega_out: &Vec3) -> f64 {
         if omega_out.z <= 0.0 {
             return 0.0;
@@ -69,8 +70,8 @@ impl FibreGloss {
         self.unfolded(&light, &view) + self.unfolded(&light, &Vec3::new(view.x, view.y, -view.z))
     }
 
-    /// Draws ω_out from two uniform random numbers: a facet among those that ω_in sees, by J. Dupuy, A. Benyoub, Comput. Graph. Forum 42
-    /// (2023) e14867, and its mirror.
+    /// Draws ω_out from two uniform random numbers: a facet among those that ω_in sees, by J. Dupuy, A. Benyoub,
+    /// Comput. Graph. Forum 42 (2023) e14867, and its mirror.
     pub fn draw(&self, omega_in: &Vec3, [u, v]: [f64; 2]) -> Vec3 {
         let light = above(self.along_fibres(omega_in));
         let stretched = Vec3::new(self.along * light.x, self.across * light.y, light.z).normalize();

@@ -1,7 +1,8 @@
-//! Shading about the normal of a flat cloth, as renderers do it: Cook–Torrance, and the classical models that a physical one has
-//! to beat, by id. And the gloss of a yarn of fibres about its own surface.
+//! Shading of a flat cloth about its normal, as in renderers: Cook–Torrance, and a registry of the classical models
+//! with which the physical model is compared. Also the gloss of a yarn of fibres about its own surface.
 //!
-//! Directions are unit vectors from the surface, the normal is +z: in the cloth's coordinates, of fibres in the yarn's.
+//! Directions are unit vectors from the surface; the normal is +z, in the coordinates of the cloth, or of the yarn for
+//! fibres.
 
 mod fibre_gloss;
 mod model;
@@ -32,13 +33,13 @@ impl Brdf {
 pub struct BrightnessFactor(pub f64);
 
 impl BrightnessFactor {
-    /// The BRDF that shows this factor, 1/sr.
+    /// The BRDF with this brightness factor, 1/sr.
     pub fn brdf(self) -> Brdf {
         Brdf(self.0 / PI)
     }
 }
 
-/// What is wrong with the parameters of a shading model.
+/// Invalid parameters of a shading model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ShadingError {
     #[error("specular roughness: expected 0.001 to 1 (slope of the facets, no unit), found {found}")]

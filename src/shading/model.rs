@@ -3,66 +3,66 @@ use crate::geometry::Vec3;
 
 /// A model of how a flat cloth reflects light about its normal, as renderers have it.
 pub trait ShadingModel: Send + Sync {
-    /// Brightness factor π L / E in red, green, blue and luminance towards `omega_out` for light from `omega_in`, unit vectors
-    /// from the surface with the normal +z; 0 with either in the plane or below it. `white` holds the channels of the perfect
-    /// diffuser, of which gloss takes its colour.
+    /// Brightness factor π L / E in red, green, blue and luminance towards `omega_out` for light from `omega_in`, unit
+    /// vectors from the surface with the normal +z; 0 with either in the plane or below it. `white` holds the channels
+    /// of the perfect diffuser, of which gloss takes its colour.
     fn eval(&self, omega_in: &Vec3, omega_out: &Vec3, white: &[f64; 4]) -> [f64; 4];
 }
 
-/// A number of a classical model that a fit may vary.
+/// A parameter of a classical model that a fit may vary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
     pub name: &'static str,
-    /// Empty for a pure number.
+    /// Unit; empty for a dimensionless parameter.
     pub unit: &'static str,
-    /// Where a fit searches.
+    /// Range in which a fit searches.
     pub range: [f64; 2],
     pub meaning: &'static str,
 }
 
-/// What a classical model is made from: a sample and the gloss of the study.
+/// Input of a classical model: a sample's reading and the gloss of the study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Basis {
-    /// The sample's brightness factors in red, green, blue and luminance with light and viewer on the normal, or nearest to it.
-    /// Finite; below 0 where the sample's colour is outside the gamut, above 1 where it shines.
+    /// The sample's brightness factors in red, green, blue and luminance with light and viewer on the normal, or
+    /// nearest to it. Finite; below 0 where the sample's colour is outside the gamut, above 1 where it shines.
     pub normal: [f64; 4],
     pub specular: Specular,
 }
 
-/// A model that is made, or why it is not.
+/// A model, or the error that prevents it.
 pub type Shading = Result<Box<dyn ShadingModel>, ShadingError>;
 
-/// A row of the registry: what a classical model is called, what it depends on and how it is made.
+/// A row of the registry: names, parameters and constructor of a classical model.
 #[derive(Debug)]
 pub struct ClassicalModel {
     pub id: &'static str,
-    /// As legends name it.
+    /// Name in legends.
     pub label: &'static str,
     pub parameters: &'static [Parameter],
-    /// Values of the parameters that a basis gives without a fit.
+    /// Initial values of the parameters for a basis, used without a fit.
     pub start: fn(&Basis) -> Vec<f64>,
-    /// The model with these values, as many as there are parameters.
+    /// Builds the model from one value for each parameter.
     pub build: fn(&Basis, &[f64]) -> Shading,
 }
 
 impl ClassicalModel {
-    /// The model as a sample and a study give it, without a fit.
+    /// The model for a sample and a study, without a fit.
     ///
     /// # Errors
-    /// A basis that the model refuses.
+    /// [`ShadingError`] if the model rejects the basis.
     pub fn of(&self, basis: &Basis) -> Shading {
         self.with(basis, &(self.start)(basis))
     }
 
-    /// The model with parameters that a fit proposes.
+    /// The model with parameters proposed by a fit.
     ///
     /// # Errors
-    /// Another number of values than parameters, or one that the model refuses.
+    /// [`ShadingError`] if the number of values is not that of the parameters, or the model rejects a value.
     pub fn with(&self, basis: &Basis, values: &[f64]) -> Shading {
         (self.build)(basis, values)
     }
 
-    /// What `build` says of other than as many values as there are parameters.
+    /// Error of `build` for a wrong number of values.
     pub fn wrong_count(&self, values: &[f64]) -> ShadingError {
         ShadingError::Parameters {
             model: self.id,

@@ -87,7 +87,8 @@ impl Specular {
         if n_l <= 0.0 || n_v <= 0.0 {
             return Brdf(0.0);
         }
-        // Twice the cosine of the angle between h and either direction. Both are above the plane, so it does not vanish.
+        // Twice the cosine of the angle between h and either direction. Both are above the plane, so it does not
+        // vanish.
         let sum = omega_in + omega_out;
         let length = sum.norm();
         let (n_h, v_h) = (sum.z / length, 0.5 * length);

@@ -1,20 +1,21 @@
-//! Whether numbers have the unit that their column asks for. Each rule names the likely unit and the remedy; none of them
-//! changes a value. Shared by samples, spectra and media.
+//! Whether numbers have the unit that their column asks for. Each rule names the likely unit and the remedy; none of
+//! them changes a value. Shared by samples, spectra and media.
 
 use crate::number::nan_from_null;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 use std::ops::{Bound, RangeBounds};
 
-/// Fluorescent cloths reach 1.5; a cloth's brightness factor is above this near the mirror direction or towards the light
-/// alone, and one in per cent at nearly every wavelength where the cloth is not black.
+/// Fluorescent cloths reach 1.5; a cloth's brightness factor is above this near the mirror direction or towards the
+/// light alone, and one in per cent at nearly every wavelength where the cloth is not black.
 const FRACTION: f64 = 2.0;
 /// Share of the readings above that, away from lobes, that is more than outliers.
 const SHARE: f64 = 0.05;
 /// Half-widths of the lobes about the mirror (or straight) direction and about the light, degrees.
 const MIRROR_LOBE_DEG: f64 = 30.0;
 const RETRO_LOBE_DEG: f64 = 10.0;
-/// A reflectance of a whole spectrum is above this where the material fluoresces or mirrors, or where it is in per cent.
+/// A reflectance of a whole spectrum is above this where the material fluoresces or mirrors, or where it is in per
+/// cent.
 const FRACTION_HIGHEST: f64 = 1.5;
 /// Share of the highest value that dark subtraction may leave readings below 0.
 pub const NOISE: f64 = 0.05;
@@ -26,7 +27,8 @@ const TURN_RAD: f64 = 6.3;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "id", rename_all = "kebab-case")]
 pub enum Doubt {
-    /// Fractions of which this share is above 2, up to `highest`, look like per cent. `what` names the values, such as "beta".
+    /// Fractions of which this share is above 2, up to `highest`, look like per cent. `what` names the values, such as
+    /// "beta".
     PerCent { what: String, share: f64, highest: f64 },
     /// The highest value of a spectrum of reflectances.
     High {
@@ -83,8 +85,9 @@ impl Display for Doubt {
     }
 }
 
-/// Whether a view may see a lobe: within 30 degrees of the mirror direction, or, for light that went through, of the straight one,
-/// or within 10 degrees of the light. Polar angles are from the normal on the viewer's side, azimuths those of light and viewer.
+/// Whether a view may see a lobe: within 30 degrees of the mirror direction, or, for light that went through, of the
+/// straight one, or within 10 degrees of the light. Polar angles are from the normal on the viewer's side, azimuths
+/// those of light and viewer.
 pub fn in_lobe(theta_i_deg: f64, theta_o_deg: f64, phi_deg: f64) -> bool {
     let [i, o, phi] = [theta_i_deg, theta_o_deg, phi_deg].map(f64::to_radians);
     // The cosine of the angle to the light; with the azimuth turned by 180 degrees, to the mirror direction.
@@ -97,9 +100,10 @@ pub fn in_lobe_of_plane(theta_i_deg: f64, theta_v_deg: f64) -> bool {
     in_lobe(theta_i_deg, theta_v_deg, 180.0)
 }
 
-/// What fractions (β, reflectances, transmittances; 1 is all) look like that are in per cent: a twentieth of them or more is
-/// above 2. Readings in a lobe of gloss or of retroreflection may be, so they count only where there are no others. `readings`
-/// are values, each with whether it is in a lobe; `what` names the values, such as "beta". `None` for plausible fractions.
+/// What fractions (β, reflectances, transmittances; 1 is all) look like that are in per cent: a twentieth of them or
+/// more is above 2. Readings in a lobe of gloss or of retroreflection may be, so they count only where there are no
+/// others. `readings` are values, each with whether it is in a lobe; `what` names the values, such as "beta". `None`
+/// for plausible fractions.
 pub fn per_cent_for_fractions(what: &str, readings: impl IntoIterator<Item = (f64, bool)>) -> Option<Doubt> {
     let (lobes, others): (Vec<_>, Vec<_>) = readings
         .into_iter()
@@ -115,8 +119,8 @@ pub fn per_cent_for_fractions(what: &str, readings: impl IntoIterator<Item = (f6
     })
 }
 
-/// What is doubtful about a spectrum of reflectances or brightness factors (1 is a perfect diffuser): values above 1.5, and
-/// values a little below 0, as dark subtraction leaves them. `what` names the spectrum.
+/// What is doubtful about a spectrum of reflectances or brightness factors (1 is a perfect diffuser): values above 1.5,
+/// and values a little below 0, as dark subtraction leaves them. `what` names the spectrum.
 ///
 /// # Errors
 /// A value further below 0 than a twentieth of the highest: what was expected and what was found.
@@ -170,14 +174,15 @@ pub(super) fn remedy_outside(value: f64, bounds: &impl RangeBounds<f64>) -> &'st
     }
 }
 
-/// What a particle's diameter in nm looks like that is in micrometres: below 1 nm, which no particle that scatters light has.
+/// What a particle's diameter in nm looks like that is in micrometres: below 1 nm, which no particle that scatters
+/// light has.
 pub fn particle_diameter(diameter_nm: f64) -> Option<Doubt> {
     (diameter_nm < 1.0).then_some(Doubt::ParticleDiameter { diameter_nm })
 }
 
-/// What polar angles and azimuths in degrees look like that are in radians: three or more different polar angles, or two and
-/// azimuths beyond them, some beyond a tenth of a radian, no polar angle beyond a right angle in radians and no azimuth beyond
-/// a turn. `None` for plausible degrees.
+/// What polar angles and azimuths in degrees look like that are in radians: three or more different polar angles, or
+/// two and azimuths beyond them, some beyond a tenth of a radian, no polar angle beyond a right angle in radians and no
+/// azimuth beyond a turn. `None` for plausible degrees.
 pub fn radians_for_degrees(
     polar_deg: impl IntoIterator<Item = f64>,
     azimuths_deg: impl IntoIterator<Item = f64>,
@@ -198,8 +203,8 @@ pub fn radians_for_degrees(
     })
 }
 
-/// The unit that a number in place of a wavelength in nm seems to have, and what to do. `None` from 100 nm to 3000 nm, and where
-/// no unit makes light of it.
+/// The unit that a number in place of a wavelength in nm seems to have, and what to do. `None` from 100 nm to 3000 nm,
+/// and where no unit makes light of it.
 pub fn wavelength_unit(found_nm: f64) -> Option<&'static str> {
     match found_nm {
         0.1..3.0 => Some("this looks like micrometres: multiply the wavelengths by 1000"),

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::old_keys::{OldKey, OldKeyNow};
-use super::{Place, StudyError};
+use super::{FileLine, StudyError};
 
 /// The file that a study was read from and the line of each of its keys, for messages. It says nothing of what the
 /// study asks for: studies are equal whatever their origin.
@@ -31,17 +31,17 @@ impl Origin {
         }
     }
 
-    /// Where a key, as `section.key`, has its value: an option of the command line, or a line of the file, or the file as a
-    /// whole for one that it leaves out; `None` without a file.
-    pub fn place(&self, key: &str) -> Option<Box<Place>> {
+    /// Where a key, as `section.key`, has its value: an option of the command line, or a line of the file, or the file
+    /// as a whole for one that it leaves out; `None` without a file.
+    pub fn place(&self, key: &str) -> Option<Box<FileLine>> {
         if let Some(option) = self.options.get(key) {
-            return Some(Box::new(Place {
+            return Some(Box::new(FileLine {
                 file: (*option).into(),
                 line: 0,
             }));
         }
         (!self.file.is_empty()).then(|| {
-            Box::new(Place {
+            Box::new(FileLine {
                 file: self.file.clone(),
                 line: self.lines.get(key).copied().unwrap_or(0),
             })
@@ -51,7 +51,7 @@ impl Origin {
     /// Notes that an old key is read, of which another may have the value now.
     pub(super) fn replace(&mut self, old_key: OldKey) {
         let line = self.lines.remove(&old_key.old.join(".")).unwrap_or(0);
-        let place = Place {
+        let place = FileLine {
             file: self.file.clone(),
             line,
         };

@@ -1,4 +1,5 @@
-//! Titles that columns have in the tables of instruments, spreadsheets and scripts, and the form in which they are compared.
+//! Titles that columns have in the tables of instruments, spreadsheets and scripts, and the form in which they are
+//! compared.
 
 /// Columns of this program's own tables.
 pub(super) const NAMES: [&str; 22] = [
@@ -181,8 +182,8 @@ pub(super) const MICROMETRES: &[&str] = &[
 ];
 pub(super) const ANGSTROMS: &[&str] = &["a", "angstrom", "angstroms"];
 
-/// Lower case without accents, Greek letters by name; blanks, brackets and dots are one underscore, words in one are split where
-/// a capital follows a small letter.
+/// Lower case without accents, Greek letters by name; blanks, brackets and dots are one underscore, words in one are
+/// split where a capital follows a small letter.
 pub(super) fn plain(title: &str) -> String {
     let mut plain = String::new();
     let mut was_small = false;

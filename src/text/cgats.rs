@@ -1,4 +1,5 @@
-//! CGATS-like text: key words, one data format, one block of data (CGATS.17, ISO 28178; Argyll's `.sp` files are of it).
+//! CGATS-like text: key words, one data format, one block of data (CGATS.17, ISO 28178; Argyll's `.sp` files are of
+//! it).
 
 use super::decimals::Decimals;
 use super::{CsvError, CsvTable, shortened};

@@ -1,4 +1,5 @@
-//! Text files: encodings, and the grammars of tables, CSV and CGATS. What the columns of a table mean is for the stages above.
+//! Text files: encodings, and the grammars of tables, CSV and CGATS. What the columns of a table mean is for the stages
+//! above.
 
 mod aliases;
 mod bands;

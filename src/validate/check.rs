@@ -3,30 +3,31 @@ use crate::spectrum::SpectrumError;
 use crate::transport::TransportError;
 use serde::Serialize;
 
-/// Batches of a problem; enough for a standard error that is itself good to 7 %.
+/// Number of batches of a problem: the relative error of a standard error is then 7 %.
 pub(super) const BATCHES: usize = 100;
-/// Paths below which the mean of a batch is too far from normal for a z-score to mean anything.
+/// Smallest number of paths: with fewer, batch means are too far from normal for a z-score.
 pub const MIN_PATHS: u64 = 100 * BATCHES as u64;
 
-/// One quantity of one problem beside its reference.
+/// One quantity of one problem, compared with its reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
     pub problem: String,
     pub quantity: String,
     pub value: f64,
-    /// Standard error of `value`; 0 for what is computed without random numbers.
+    /// Standard error of `value`; 0 for deterministic results.
     pub se: f64,
     pub reference: f64,
     /// Standard error of the reference; 0 if it is exact.
     pub reference_se: f64,
-    /// Standard normal if the program is right: (value − reference) over both standard errors and the rounding of the
-    /// reference. Two kinds differ. For a sphere, which has no statistics, it is the relative difference over the
-    /// tolerance (1e-10 up to size parameter 1e4, 1e-8 above), so that 1 is the limit. For a histogram `value` is the χ² of
-    /// all its bins together, `reference` their number, and `z` the normal deviate of that χ² by Wilson & Hilferty (1931).
+    /// Difference from the reference divided by the root sum of squares of both standard errors and the rounding of the
+    /// reference; standard normal if the program is correct. Exceptions: for a sphere, which has no statistics, it is
+    /// the relative difference over the tolerance (1e-10 up to size parameter 1e4, 1e-8 above), so 1 is the limit. For
+    /// a histogram `value` is the χ² of all bins, `reference` their number, and `z` the normal deviate of that χ² by
+    /// Wilson & Hilferty (1931).
     pub z: f64,
 }
 
-/// Why the validation could not run.
+/// Failure to run the validation.
 #[derive(Debug, thiserror::Error)]
 pub enum ValidateError {
     #[error(

@@ -29,20 +29,20 @@ struct Row {
     absorbed_matched: Option<f64>,
 }
 
-/// Cylinder of radius 1 mm that does not scatter.
+/// Non-scattering cylinder of radius 1 mm.
 pub(super) struct CylinderProblem {
     name: String,
     index: f64,
     mu_a: f64,
-    /// Angle between the beam and the plane across the axis; none for even light from all sides.
+    /// Angle between the beam and the plane normal to the axis; `None` for uniform radiance from all directions.
     tilt: Option<f64>,
-    /// Place in a batch, name and exact value.
+    /// Index in a batch, name and exact value.
     expected: Vec<(usize, &'static str, f64)>,
     cylinder: Cylinder,
     phase: Phase,
 }
 
-/// The rows the kernel can be compared with: it knows no polarisation.
+/// Rows of the reference that the kernel can reproduce: those without polarisation.
 pub(super) fn problems() -> Result<Vec<CylinderProblem>, ValidateError> {
     const TABLE: &str = "cylinder_analytic.csv";
     let table = rows::<Row>(TABLE, include_str!("../../tests/data/transport/cylinder_analytic.csv"))?;
@@ -99,7 +99,7 @@ impl CylinderProblem {
         self.name.clone()
     }
 
-    /// Reflected, transmitted, absorbed, distance from the entry to the exits.
+    /// Batch means: reflected, transmitted, absorbed, distance from entry to exit.
     pub fn batch(&self, paths: u64, stream: Xoshiro256PlusPlus) -> Result<Vec<f64>, ValidateError> {
         let interior = Interior::new(
             self.index,
@@ -123,8 +123,8 @@ impl CylinderProblem {
                 walk.trace(
                     stream,
                     paths as usize,
-                    |[cos2, turns, ..]| {
-                        let (sin, azimuth) = ((1.0 - cos2).sqrt(), TAU * turns);
+                    |[cos2, around, ..]| {
+                        let (sin, azimuth) = ((1.0 - cos2).sqrt(), TAU * around);
                         Entry {
                             position: entry,
                             normal: Vec3::z(),
@@ -157,8 +157,8 @@ impl CylinderProblem {
     }
 }
 
-/// Light of a parallel beam that travels towards −z and, tilted, towards +y, over the whole projected width of a
-/// cylinder.
+/// Traces a parallel beam over the whole projected width of a cylinder; it travels towards −z and, if tilted, towards
+/// +y.
 pub(super) fn parallel_beam(
     walk: &Walk<'_, Cylinder>,
     tilt: f64,
@@ -170,8 +170,8 @@ pub(super) fn parallel_beam(
     walk.trace(
         stream,
         paths as usize,
-        |[even, ..]| {
-            let position = walk.shape.at((2.0 * even - 1.0).asin());
+        |[across, ..]| {
+            let position = walk.shape.at((2.0 * across - 1.0).asin());
             Entry {
                 position,
                 normal: walk.shape.frame(&position).normal,

@@ -1,11 +1,11 @@
-//! Reference problems: what the optics and the transport kernel make of cases whose answers are known from elsewhere.
+//! Reference problems: results of the optics and the transport kernel for cases with independently known answers.
 //!
 //! | problems | reference | exact to |
 //! | --- | --- | --- |
 //! | slabs with Henyey–Greenstein scattering, collimated and Lambertian light | discrete ordinates | 1e-10 |
 //! | cylinders without scattering, in a tilted parallel beam | closed forms | 1e-12 |
 //! | scattering yarns in a parallel beam | Mitsuba 3 photon tracing, 4·10⁷ photons each | its standard errors |
-//! | spheres (Mie series) | arithmetic of 60 digits | 1e-14 |
+//! | spheres (Mie series) | 60-digit arithmetic | 1e-14 |
 //!
 //! All but the spheres run through the same [`Walk`](crate::transport::Walk) as the yarn of a study. Everything is a
 //! fraction of the incident flux except efficiencies, asymmetry parameters and chords (in radii).
@@ -29,7 +29,7 @@ use slab::SlabProblem;
 use statistics::estimates;
 use yarn::YarnProblem;
 
-/// A problem solved by random paths.
+/// A problem solved by Monte Carlo.
 enum Problem {
     Slab(SlabProblem),
     Cylinder(CylinderProblem),
@@ -45,7 +45,7 @@ impl Problem {
         }
     }
 
-    /// Means over the paths of one batch, in the problem's own order.
+    /// Means over the paths of one batch, in the order of the problem.
     fn batch(&self, paths: u64, stream: Xoshiro256PlusPlus) -> Result<Vec<f64>, ValidateError> {
         match self {
             Self::Slab(p) => p.batch(paths, stream),
@@ -66,16 +66,16 @@ impl Problem {
 /// Solves every reference problem with `paths` paths each.
 ///
 /// # Errors
-/// Fewer than [`MIN_PATHS`] paths.
+/// [`ValidateError`] if `paths` is below [`MIN_PATHS`].
 pub fn run(paths: u64, seed: u64) -> Result<Vec<Check>, ValidateError> {
     run_each(|_| paths, seed)
 }
 
-/// The same with a number of paths for each problem, by its name as in [`Check::problem`]; 0 leaves the problem out.
-/// Neither the others nor the number of threads change a problem's result.
+/// The same with a number of paths for each problem, by its name as in [`Check::problem`]; 0 skips the problem. The
+/// result of a problem depends neither on the other problems nor on the number of threads.
 ///
 /// # Errors
-/// A number of paths between 0 and [`MIN_PATHS`].
+/// [`ValidateError`] for a number of paths above 0 and below [`MIN_PATHS`].
 pub fn run_each(paths: impl Fn(&str) -> u64, seed: u64) -> Result<Vec<Check>, ValidateError> {
     let mut problems = Vec::new();
     problems.extend(slab::problems()?.into_iter().map(Problem::Slab));

@@ -15,7 +15,7 @@ struct Row {
     /// Optical thickness (μ_a + μ_s) d.
     tau: f64,
     g: f64,
-    /// Index of the slab.
+    /// Refractive index of the slab.
     n: f64,
     #[serde(rename = "R_total_dom")]
     r_total: f64,
@@ -31,7 +31,7 @@ struct Row {
     t_lambertian: f64,
 }
 
-/// Plane-parallel slab in light along its normal, or in even light from all of a hemisphere.
+/// Plane-parallel slab in light along its normal, or in uniform radiance from a hemisphere.
 pub(super) struct SlabProblem {
     row: Row,
     lambertian: bool,
@@ -45,7 +45,7 @@ pub(super) fn problems() -> Result<Vec<SlabProblem>, ValidateError> {
     for row in rows::<Row>(TABLE, include_str!("../../tests/data/transport/transport_slab.csv"))? {
         for lambertian in [false, true] {
             problems.push(SlabProblem {
-                // 1 mm of coefficient τ; a half space has coefficient 1.
+                // 1 mm thick with coefficient τ; a half space has coefficient 1.
                 slab: Slab::new(if row.tau.is_finite() { 1.0 } else { f64::INFINITY })?,
                 phase: Phase::HenyeyGreenstein(HenyeyGreenstein::new(row.g)?),
                 row: row.clone(),
@@ -63,7 +63,7 @@ impl SlabProblem {
         format!("slab a={a} tau={tau} g={g} n={n} {light}")
     }
 
-    /// Reflected in all, reflected after scattering, transmitted in all, transmitted after scattering.
+    /// Batch means: total reflected, reflected after scattering, total transmitted, transmitted after scattering.
     pub fn batch(&self, paths: u64, stream: Xoshiro256PlusPlus) -> Result<Vec<f64>, ValidateError> {
         let extinction = if self.row.tau.is_finite() { self.row.tau } else { 1.0 };
         let interior = Interior::new(
@@ -83,12 +83,12 @@ impl SlabProblem {
         let traced = walk.trace(
             stream,
             paths as usize,
-            |[even, ..]| Entry {
+            |[cos2, ..]| Entry {
                 position: Vec3::zeros(),
                 normal: Vec3::z(),
                 omega_in: if self.lambertian {
-                    // cos² is even in 0..1 under even radiance.
-                    Vec3::new((1.0 - even).sqrt(), 0.0, even.sqrt())
+                    // Under uniform radiance, cos²θ of the flux is uniform in 0..1.
+                    Vec3::new((1.0 - cos2).sqrt(), 0.0, cos2.sqrt())
                 } else {
                     Vec3::z()
                 },

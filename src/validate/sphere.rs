@@ -31,7 +31,7 @@ pub(super) fn problems() -> Result<Vec<SphereProblem>, ValidateError> {
     let mut problems: Vec<SphereProblem> = Vec::new();
     for row in table {
         let problem = SphereProblem(row);
-        // The table lists a sphere once for each publication of its values.
+        // The table lists a sphere once for each publication of its values; keep the first.
         if problems.iter().all(|p| p.name() != problem.name()) {
             problems.push(problem);
         }

@@ -1,10 +1,10 @@
 use super::Check;
 use crate::transport::Estimate;
 
-/// Rounding of the printed references, of fractions of 1.
+/// Rounding of the printed references, which are fractions of 1.
 const ROUNDING: f64 = 1e-11;
 
-/// One estimate for each place of the batches' vectors.
+/// One estimate for each element of the batches' vectors.
 pub(super) fn estimates(batches: &[Vec<f64>]) -> Vec<Estimate> {
     let places = batches.first().map_or(0, Vec::len);
     (0..places)
@@ -29,7 +29,7 @@ pub(super) fn check(estimate: Estimate, problem: String, quantity: &str, referen
     }
 }
 
-/// All bins of a histogram together: χ² of their deviations against the number of bins.
+/// Joint test of all bins of a histogram: χ² of their deviations, compared with the number of bins.
 pub(super) fn joint(problem: String, quantity: &str, values: &[Estimate], references: &[Estimate]) -> Check {
     let chi2: f64 = values
         .iter()
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// 67.985 is the point χ² of 36 bins exceeds with probability 1e-3, where the normal deviate is 3.0902.
+    /// χ² of 36 bins exceeds 67.985 with probability 1e-3, which corresponds to a normal deviate of 3.0902.
     #[test]
     fn joint_deviate_has_the_tail_of_chi_squared() {
         let zero = Estimate { value: 0.0, se: 1.0 };

@@ -9,13 +9,13 @@ use crate::optics::{Interference, Medium, MediumSpec};
 use crate::spectrum::{Spectrum, WavelengthGrid};
 use crate::transport::{Coefficients, Cylinder, Estimate, Fraction, Interior, Roulette, Walk};
 
-/// The reference's yarn: host and particle index, particle diameter, volume fraction and radius.
+/// Yarn of the reference: host and particle index, particle diameter, volume fraction and radius.
 const HOST_INDEX: f64 = 1.557;
 const PARTICLE_INDEX: f64 = 1.61;
 const DIAMETER_NM: f64 = 150.0;
 const VOLUME_FRACTION: f64 = 0.14;
 const RADIUS_MM: f64 = 0.125;
-/// Relative error from which a bin of the reference holds too few photons (< 400) for a normal deviate.
+/// Relative error above which a bin of the reference has too few photons (< 400) for a normal deviate.
 const POOLED_FROM: f64 = 0.05;
 /// Reflected, ballistic, scattered, absorbed.
 const TOTALS: [(&str, &str); 4] = [
@@ -38,7 +38,7 @@ struct Row {
     se: f64,
 }
 
-/// Evenly wide bins of an exit angle, the almost empty ones taken together as the last cell.
+/// Uniform bins of an exit angle; the almost empty ones are merged into the last cell.
 struct Histogram {
     quantity: &'static str,
     width_deg: f64,
@@ -82,7 +82,7 @@ impl Histogram {
         }
     }
 
-    /// Bins of a histogram no light ever reached have no cell.
+    /// Adds `weight` at an exit angle. Bins that no light reaches have no cell.
     fn add(&self, sums: &mut [f64], angle_deg: f64, weight: f64) {
         let bin = ((angle_deg / self.width_deg) as usize).min(self.cells.len() - 1);
         if let Some(sum) = sums.get_mut(self.cells[bin]) {
@@ -172,7 +172,7 @@ impl YarnProblem {
         format!("yarn {lambda_nm} nm mu_a={mu_a_per_mm} tilt={psi_deg}")
     }
 
-    /// Totals in their order, then the cells of the histograms.
+    /// Batch means: the totals in order, then the cells of the histograms.
     pub fn batch(&self, paths: u64, stream: Xoshiro256PlusPlus) -> Result<Vec<f64>, ValidateError> {
         let interior = Interior::new(
             self.medium.host_index()[0],
@@ -191,7 +191,7 @@ impl YarnProblem {
         let mut cells = self.histograms.each_ref().map(|h| vec![0.0; h.references.len()]);
         let traced = parallel_beam(&walk, self.psi_deg.to_radians(), paths, stream, |exit| {
             let (direction, weight) = (exit.direction, exit.weights[0]);
-            // 0 is straight on, 180 back to the source.
+            // 0 is forward, 180 backward.
             let azimuth_deg = direction.x.atan2(-direction.z).to_degrees().rem_euclid(360.0);
             if exit.scattered {
                 azimuth.add(&mut cells[0], azimuth_deg, weight);

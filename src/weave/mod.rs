@@ -11,7 +11,7 @@ use crate::spectrum::UnknownName;
 use crate::text::is_path;
 use serde::Serialize;
 
-/// Why a name or path leads to no draft.
+/// Failure to find or read a draft.
 #[derive(Debug, thiserror::Error)]
 pub enum WeaveError {
     #[error("expected a built-in weave, or a WIF file by a path with a dot or slash in it: {0}")]
@@ -28,18 +28,18 @@ pub struct WeaveDraft {
     warp_on_top: Vec<bool>,
     pub warps: Vec<Thread>,
     pub wefts: Vec<Thread>,
-    /// What the reader had to assume.
+    /// Assumptions that the reader made.
     pub warnings: Vec<String>,
 }
 
-/// A thread as the file states it; a draft is no optics, so nothing is assumed where it says nothing.
+/// A thread as the file describes it; values that the file omits stay `None`.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
 pub struct Thread {
     /// Red, green and blue, 0..1, of a display the file does not name.
     pub rgb: Option<[f64; 3]>,
-    /// Distance of thread centres.
+    /// Distance of thread centres, mm.
     pub spacing_mm: Option<f64>,
-    /// Diameter.
+    /// Diameter, mm.
     pub thickness_mm: Option<f64>,
 }
 
@@ -84,7 +84,7 @@ impl WeaveDraft {
     /// A built-in weave by its name, else the WIF file of that path.
     ///
     /// # Errors
-    /// Neither a name nor a file, or as [`Self::read`].
+    /// [`WeaveError`] if it is neither a name nor a file, or as [`Self::read`].
     pub fn load(name_or_path: &str) -> Result<Self, WeaveError> {
         if let Some(weave) = Weave::named(name_or_path) {
             return Ok(Self::built_in(name_or_path, &weave.draft()));
@@ -112,7 +112,7 @@ impl WeaveDraft {
     /// Reads a WIF file of at most 4 MiB.
     ///
     /// # Errors
-    /// The first place where the file departs from the format.
+    /// [`FormatError`] at the first position where the file violates the format.
     pub fn read(path: &std::path::Path) -> Result<Self, FormatError> {
         let (format, bytes) = crate::formats::read_bytes(path)?;
         let name = path.display().to_string();

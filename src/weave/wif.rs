@@ -162,7 +162,7 @@ fn required<'i, 'a>(ini: &'i Ini<'a>, name: &str) -> Result<&'i Section<'a>, For
     })
 }
 
-/// Sections that [CONTENTS] promises and the file does not have.
+/// Warns of sections that [CONTENTS] lists and the file lacks.
 fn missing_contents(ini: &Ini, warnings: &mut Vec<String>) {
     let contents = ini
         .section("CONTENTS")
@@ -181,7 +181,7 @@ fn missing_contents(ini: &Ini, warnings: &mut Vec<String>) {
     }
 }
 
-/// The first numbers of a list, as people write them.
+/// The first numbers of a list, formatted for a message.
 fn listed(numbers: &[usize]) -> String {
     const SHOWN: usize = 8;
     let mut words: Vec<String> = numbers.iter().take(SHOWN).map(usize::to_string).collect();
@@ -300,7 +300,7 @@ struct Palette {
 }
 
 impl Palette {
-    /// Components beyond the range are brought to its ends, as some writers exceed it.
+    /// Components outside the range are clamped, because some writers exceed it.
     fn scaled(&self, rgb: [i64; 3]) -> [f64; 3] {
         let [low, high] = self.range;
         rgb.map(|c| ((c as f64 - low) / (high - low)).clamp(0.0, 1.0))
@@ -368,7 +368,7 @@ fn threads(
             .zip(unit_mm)
             .map(|(length, unit)| length * unit))
     };
-    // Colours and lengths are information: what has no meaning there is left out, and said once.
+    // Colours and lengths are optional information: invalid values are ignored with one warning.
     let mut unknown_colours = Vec::new();
     let mut unknown_threads = Vec::new();
     let mut colour_at = |at: usize, value: &str| -> Result<Option<[f64; 3]>, FormatError> {

@@ -8,7 +8,7 @@ const BATCHES: usize = 16;
 const PATHS_PER_BATCH: usize = 4000;
 
 /// Fractions of the scattered light that leave farther along the yarn from their entry than each of the given
-/// distances, mm, for a beam normal to a straight yarn: [wavelength][distance].
+/// distances, mm, for a beam normal to a straight yarn: `[wavelength][distance]`.
 pub fn scattered_beyond<const N: usize>(
     yarn: &Yarn,
     distances_mm: [f64; N],
@@ -33,7 +33,7 @@ pub fn scattered_beyond<const N: usize>(
         .collect())
 }
 
-/// One batch: [wavelength][distance].
+/// One batch: `[wavelength][distance]`.
 fn shares<const N: usize>(tracer: &Tracer<Beam>, distances_mm: [f64; N], batch: usize) -> Vec<[f64; N]> {
     let mut beyond = vec![[0.0; N]; tracer.wavelengths()];
     let mut scattered = vec![0.0; tracer.wavelengths()];

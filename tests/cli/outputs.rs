@@ -1,4 +1,5 @@
-//! Where results go: no input is written over, a file that exists needs `--force`, a set is written whole or not at all.
+//! Where results go: no input is written over, a file that exists needs `--force`, a set is written whole or not at
+//! all.
 
 use crate::command::specval;
 use std::fs;

@@ -154,7 +154,8 @@ fn long_runs_are_told_of_and_endless_ones_refused() {
     assert!(error.contains(" years on one core; reduce it"), "{error}");
 }
 
-/// Particles too large for a phase table: the message names the key, its line and what to do, also where a weft has it from the warp.
+/// Particles too large for a phase table: the message names the key, its line and what to do, also where a weft has it
+/// from the warp.
 #[test]
 fn errors_of_a_medium_name_the_line_of_the_key() {
     let error = |text: &str| match Plan::new(Study::from_toml(text, "my.toml").unwrap()) {

@@ -319,7 +319,7 @@ fn a_failed_write_leaves_the_earlier_report_alone() {
 fn one_file_is_written_whole_or_not_at_all() {
     let scratch = tempfile::tempdir().unwrap();
     let path = scratch.path().join("curves.csv");
-    let write = |path: &std::path::Path, bytes: &[u8]| write_whole(&Place::find(path)?, bytes);
+    let write = |path: &std::path::Path, bytes: &[u8]| write_whole(&Destination::find(path)?, bytes);
     write(&path, b"first").unwrap();
     write(&path, b"second").unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), b"second");

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use specval::colour::{ColourSystem, Convention, Illuminant, RgbSpace};
-use specval::sample::{Kind, Sample, SampleError, SampleNotice, Uncertainty, published_ratios};
+use specval::sample::{Sample, SampleError, SampleKind, SampleNotice, Uncertainty, published_ratios};
 use specval::spectrum::WavelengthGrid;
 
 const RGB: &str = "theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b\n";
@@ -22,7 +22,10 @@ fn load(text: impl AsRef<[u8]>) -> Result<Sample, SampleError> {
 fn built_in_samples() {
     for name in ["merl-red-fabric", "merl-red-fabric2"] {
         let sample = Sample::load(name).unwrap();
-        assert_eq!((sample.name(), sample.description().kind), (name, Some(Kind::Fit)));
+        assert_eq!(
+            (sample.name(), sample.description().kind),
+            (name, Some(SampleKind::Fit))
+        );
         assert_eq!(sample.uncertainty(), Uncertainty::Relative(0.05));
         assert_eq!(sample.geometries().count(), 81);
         assert!(sample.published_ratios().is_none());

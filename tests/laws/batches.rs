@@ -1,4 +1,4 @@
-//! The driver that gathers batches, with batches that are bare numbers.
+//! The driver that collects batches, tested with batches that are plain numbers.
 
 use specval::run::{Gather, Outcome, Precision, Schedule, StopRule, StoppedBy, Tolerance, Watched, gather};
 use std::sync::Mutex;
@@ -84,7 +84,7 @@ fn rule(error: Option<f64>, max_time_s: Option<u64>, batches: usize) -> StopRule
 }
 
 #[test]
-fn batches_come_in_their_order_and_as_many_as_the_rule_says() {
+fn batches_arrive_in_order_and_their_number_follows_the_rule() {
     for (error, stopped_by, batches) in [
         (None, StoppedBy::Paths, 22),
         (Some(0.01), StoppedBy::Paths, 22),
@@ -104,7 +104,7 @@ fn batches_come_in_their_order_and_as_many_as_the_rule_says() {
                 };
                 assert_eq!(outcome, expected, "{error:?}, round {round}, from {first}");
                 assert_eq!(numbers.accepted, (0..batches).collect::<Vec<_>>());
-                // Those a round makes too many of are thrown away, and none is made twice.
+                // Surplus batches of a round are discarded, and no batch is computed twice.
                 let mut made = numbers.made.into_inner().unwrap();
                 made.sort_unstable();
                 let last = made.last().map_or(first, |last| last + 1);
@@ -116,7 +116,7 @@ fn batches_come_in_their_order_and_as_many_as_the_rule_says() {
 }
 
 #[test]
-fn time_ends_a_run_but_not_before_two_batches() {
+fn time_limit_ends_a_run_after_at_least_two_batches() {
     for (max_time_s, round, batches) in [(0, 4, 2), (1, 1, 2), (5, 1, 5), (100, 4, 22)] {
         let clock_s = AtomicU64::new(0);
         let mut numbers = numbers(0, &clock_s);
@@ -129,7 +129,7 @@ fn time_ends_a_run_but_not_before_two_batches() {
         assert_eq!((outcome.batches, outcome.stopped_by), (batches, stopped_by));
         assert_eq!(numbers.accepted, (0..batches).collect::<Vec<_>>());
     }
-    // What a resumed run begins with is never thrown away.
+    // Batches of the resumed run are never discarded.
     let clock_s = AtomicU64::new(9);
     let mut numbers = numbers(13, &clock_s);
     let outcome = run(&mut numbers, &rule(None, Some(9), 22), 4, None).unwrap();
@@ -137,14 +137,14 @@ fn time_ends_a_run_but_not_before_two_batches() {
 }
 
 #[test]
-fn savings_keep_their_distance() {
+fn saves_are_spaced_in_proportion_to_their_cost() {
     for (checkpoint_s, saving_takes_s, expected) in [
         (None, 0, vec![]),
         (Some(0), 0, vec![4, 8, 12, 16, 20, 22]),
         (Some(0), 99, vec![4, 8, 12, 16, 20, 22]),
         (Some(8), 0, vec![8, 16]),
         (Some(100), 0, vec![]),
-        // After a saving of one second the next 20 pass without one.
+        // After a save that takes one second, no save occurs for the next 20 s.
         (Some(1), 1, vec![4]),
     ] {
         let clock_s = AtomicU64::new(0);
@@ -156,7 +156,7 @@ fn savings_keep_their_distance() {
 }
 
 #[test]
-fn a_batch_that_fails_ends_the_run_with_its_error() {
+fn failed_batch_ends_the_run_with_its_error() {
     let clock_s = AtomicU64::new(0);
     let mut numbers = numbers(0, &clock_s);
     numbers.broken = Some(5);

@@ -1,4 +1,4 @@
-//! Drafts, Peirce's geometry and the refusal of impossible cloth.
+//! Drafts, Peirce's geometry and the rejection of invalid cloth.
 
 use specval::cloth::{CentreLine, CentreLineKind, Cloth, ClothError, ClothSpec, Draft, PeirceSegment, System, Weave};
 
@@ -10,7 +10,7 @@ const WEAVES: [(Weave, usize); 4] = [
 ];
 
 #[test]
-fn drafts_interlace_once_a_repeat_and_repeat_along_their_twill_line() {
+fn drafts_interlace_once_per_repeat_and_repeat_along_the_twill_line() {
     for (weave, warps_on_top) in &WEAVES {
         let draft = weave.draft();
         let n = draft.yarns(System::Warp);
@@ -35,7 +35,7 @@ fn drafts_interlace_once_a_repeat_and_repeat_along_their_twill_line() {
 }
 
 #[test]
-fn satin_has_no_two_interlacings_on_neighbouring_yarns() {
+fn satin_has_no_adjacent_interlacings() {
     let draft = Weave::Satin5.draft();
     for i in 0..5 {
         for j in 0..5 {
@@ -48,7 +48,7 @@ fn satin_has_no_two_interlacings_on_neighbouring_yarns() {
 }
 
 #[test]
-fn drafts_that_are_no_weave_are_refused() {
+fn invalid_drafts_are_rejected() {
     assert_eq!(Draft::new(&[]), Err(ClothError::EmptyDraft));
     assert_eq!(Draft::new(&[vec![], vec![]]), Err(ClothError::EmptyDraft));
     assert_eq!(
@@ -76,7 +76,7 @@ fn drafts_that_are_no_weave_are_refused() {
 }
 
 #[test]
-fn peirce_equations_close() {
+fn peirce_equations_are_satisfied() {
     for (p, h, d) in [(0.54, 0.3, 0.6), (0.6, 0.2, 0.5), (2.0, 0.1, 0.7), (1.0, 0.9, 0.95)] {
         let PeirceSegment {
             length_mm: l,
@@ -105,7 +105,7 @@ fn lines(kind: CentreLineKind, weave: &Weave, spacing_mm: f64, radius_sum_mm: f6
 }
 
 #[test]
-fn centre_lines_are_periodic_smooth_and_as_long_as_their_integral() {
+fn centre_lines_are_periodic_and_smooth_and_match_their_length_integral() {
     let kinds = [CentreLineKind::Peirce, CentreLineKind::Sinusoid { amplitude_mm: 0.2 }];
     for (kind, (weave, _)) in kinds.into_iter().flat_map(|k| WEAVES.iter().map(move |w| (k, w))) {
         for line in lines(kind, weave, 0.54, 0.3) {
@@ -170,7 +170,7 @@ fn refusal(spec: ClothSpec) -> ClothError {
 }
 
 #[test]
-fn impossible_cloth_is_refused_with_its_remedy() {
+fn invalid_cloth_is_rejected_with_a_remedy() {
     let jammed = refusal(ClothSpec {
         weft_spacing_mm: 1.732 * 0.3,
         ..ClothSpec::default()
@@ -273,7 +273,7 @@ fn impossible_cloth_is_refused_with_its_remedy() {
 }
 
 #[test]
-fn every_weave_can_be_woven_of_equal_and_of_unequal_yarns() {
+fn every_weave_is_valid_with_equal_and_unequal_yarns() {
     for (weave, _) in WEAVES {
         assert!(
             Cloth::new(&ClothSpec {

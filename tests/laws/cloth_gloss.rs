@@ -1,4 +1,4 @@
-//! The gloss of a woven cloth of fibres: its energy, both methods against each other, views against cones and camera rays, and S
+//! Gloss of a woven cloth of fibres: energy, agreement of both integrators, views against cones and camera rays, and S
 //! against Z twist.
 
 use rand::RngExt;
@@ -54,7 +54,7 @@ fn yarn(mu_a_per_mm: f64) -> Yarn {
     }
 }
 
-/// A yarn from which no light comes back that has gone in: of 1e-4 at most is scattered before it is absorbed.
+/// A yarn that absorbs all light that enters it: at most 1e-4 of it is scattered before it is absorbed.
 fn black() -> Yarn {
     yarn(1e6)
 }
@@ -90,7 +90,7 @@ impl Weave {
             .collect()
     }
 
-    /// By f* of a table of `paths` paths, of none at all for a black yarn.
+    /// Bounces with f* from a table of `paths` paths; none for a black yarn.
     fn by_factors<T: Send>(&self, paths: u64, most: usize, of: impl Fn(&YarnToYarn<'_>, usize) -> T + Sync) -> Vec<T> {
         let grid = YarnResponseGrid::new(4, SurfaceGrid::new(12, 4, 8).unwrap()).unwrap();
         (0..BATCHES)
@@ -121,7 +121,7 @@ impl Weave {
             .collect()
     }
 
-    /// β of each view at each batch, and the ledgers, of light that has met at most `most` yarns more than one.
+    /// β of each view at each batch, and the ledgers, of light that met at most `most` yarns after the first.
     fn views(&self, beam: &Beam, cones: &ViewCones, most: usize, particles: usize) -> Vec<Vec<f64>> {
         self.by_factors(0, most, |light, batch| {
             let segments = Segments::new(&self.cloth, 0.02, 0.04);
@@ -160,8 +160,8 @@ fn z(a: Estimate, b: Estimate) -> f64 {
     (a.value - b.value) / a.se.hypot(b.se)
 }
 
-/// Ledgers close to the rounding of single precision in both methods, and without absorption all light traced through the medium
-/// comes out. False alarms 4e-4.
+/// Ledgers close to the rounding of single precision with both integrators, and without absorption all light traced
+/// through the medium leaves. False-alarm rate 4e-4.
 #[test]
 fn ledgers_close() {
     let fibres = YarnSurface::Fibres(gloss(20.0, 0.1, 0.6));
@@ -186,10 +186,10 @@ fn ledgers_close() {
     }
 }
 
-/// Both methods reflect the same from black yarns, of which the gloss alone is left; and fibres without roughness reflect what
-/// smooth yarns do. False alarms: 4 values, 4e-4.
+/// For black yarns, which only have gloss, both integrators give the same reflectance; fibres without roughness reflect
+/// like smooth yarns. False-alarm rate 4e-4 for 4 values.
 #[test]
-fn black_yarns_reflect_alike_in_both_methods() {
+fn black_yarns_reflect_equally_in_both_integrators() {
     let beam = beam(40.0, 25.0);
     let by_factors = |surface, particles| {
         Weave::new(black(), surface).by_factors(0, usize::MAX, |light, batch| {
@@ -215,11 +215,11 @@ fn black_yarns_reflect_alike_in_both_methods() {
     }
 }
 
-/// Views of the light that the first yarn reflects, from particles of the beam, are what camera rays see:
-/// L = F p E⊥ cosθ_in / cosθ_out of points that are lit. The variance of the rays has no bound where cosθ_out is small, but grows as
-/// the logarithm of their number only. False alarms: 24 values, 2.4e-3 together.
+/// Light reflected by the first yarn, connected from particles of the beam to the views, equals what camera rays give:
+/// L = F p E⊥ cosθ_in / cosθ_out at lit points. The variance of the rays is unbounded where cosθ_out is small, but
+/// grows only as the logarithm of their number. False-alarm rate 2.4e-3 for 24 values.
 #[test]
-fn views_are_what_a_camera_sees() {
+fn connected_gloss_equals_camera_rays() {
     const RAYS: usize = 4000;
     let gloss = gloss(20.0, 0.15, 0.6);
     let weave = Weave::new(black(), YarnSurface::Fibres(gloss));
@@ -266,9 +266,9 @@ fn views_are_what_a_camera_sees() {
     }
 }
 
-/// Of all light the views have once what cones about them catch. False alarms: 7 values, 7e-4 together.
+/// Views count all light exactly once: they equal the light in cones about them. False-alarm rate 7e-4 for 7 values.
 #[test]
-fn no_light_is_seen_twice() {
+fn views_count_all_light_once() {
     const PARTICLES: usize = 30_000;
     let weave = Weave::new(black(), YarnSurface::Fibres(gloss(20.0, 0.3, 0.6)));
     let beam = beam(40.0, 25.0);
@@ -292,9 +292,9 @@ fn no_light_is_seen_twice() {
     }
 }
 
-/// A cloth of S yarns is that of Z yarns in a mirror, and not that cloth itself. False alarms: 6 values, 6e-4 together.
+/// A cloth of S yarns is the mirror image of that of Z yarns, and differs from it. False-alarm rate 6e-4 for 6 values.
 #[test]
-fn s_is_the_mirror_image_of_z() {
+fn s_twist_is_the_mirror_image_of_z_twist() {
     let of = |twist_deg: f64, omega_in: Vec3, views: Vec<Vec3>| {
         let weave = Weave::new(black(), YarnSurface::Fibres(gloss(twist_deg, 0.1, 0.6)));
         let cones = ViewCones::new(views, 5f64.to_radians());

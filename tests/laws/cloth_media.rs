@@ -1,8 +1,8 @@
-//! Cloth whose warp and weft are of different yarns.
+//! Cloth with different yarns in warp and weft.
 
 use specval::rig::bsdf::symmetries;
 use specval::run::{Plan, Simulator};
-use specval::study::{Bounces, MethodChoice, NumberOrTable, Study, WeftSection};
+use specval::study::{BounceLimit, MethodChoice, NumberOrTable, Study, WeftSection};
 use specval::transport::Estimate;
 
 const RED: &str = "
@@ -25,7 +25,7 @@ view_step_deg = 40.0
 pixels_per_side = 8
 ";
 
-/// White yarns beside red ones: the particles of one system are dyed, or of both, or of none.
+/// Cloths with dyed particles in one system, in both, or in none.
 fn cloth(warp_dyed: bool, weft_dyed: bool) -> Study {
     let mut study = Study::from_toml(RED, "a study").unwrap();
     let kappa = |dyed: bool| if dyed { 0.0065 } else { 0.0 };
@@ -44,10 +44,10 @@ fn batches(study: Study) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Camera rays do not know what the yarns are made of, and f* of a yarn does not know the other: two cloths with the media
-/// exchanged are together as bright as one of each alone, ray by ray.
+/// Camera rays do not depend on the media, and f* of a yarn does not depend on the other yarn. The sum of two cloths
+/// with exchanged media therefore equals the sum of the two cloths of one medium each, ray by ray.
 #[test]
-fn direct_light_adds_up_yarn_by_yarn() {
+fn direct_light_is_additive_over_media() {
     let [mixed, exchanged, white, red] =
         [(false, true), (true, false), (false, false), (true, true)].map(|(warp, weft)| batches(cloth(warp, weft)));
     let mut apart: f64 = 0.0;
@@ -59,18 +59,18 @@ fn direct_light_adds_up_yarn_by_yarn() {
             apart = apart.max((mixed[batch][g] / exchanged[batch][g] - 1.0).abs());
         }
     }
-    // In the plane of a yarn's axis its system does not shine as the other does.
+    // In the plane of a yarn's axis the two systems differ in brightness.
     assert!(apart > 0.02, "{apart}");
 }
 
-/// Turning the cloth by a right angle exchanges warp and weft of a plain weave. 9 geometries × wavelengths of 2 incidences, three
-/// ways to follow light: the largest of 54 |z| of 14 degrees of freedom exceeds 6 in less than 2e-3 of seeds.
+/// Rotating the cloth by 90° exchanges warp and weft of a plain weave. 9 geometries × wavelengths of 2 incidences,
+/// three integrators: the largest of 54 |z| with 14 degrees of freedom exceeds 6 for less than 2e-3 of seeds.
 #[test]
-fn a_quarter_turn_exchanges_warp_and_weft() {
+fn rotation_by_90_degrees_exchanges_warp_and_weft() {
     for (method, bounces) in [
-        (MethodChoice::RadianceFactor, Bounces::Most(0)),
-        (MethodChoice::RadianceFactor, Bounces::ALL),
-        (MethodChoice::Volumetric, Bounces::ALL),
+        (MethodChoice::RadianceFactor, BounceLimit::Most(0)),
+        (MethodChoice::RadianceFactor, BounceLimit::ALL),
+        (MethodChoice::Volumetric, BounceLimit::ALL),
     ] {
         let way = |mut study: Study| {
             study.cloth.method = method;
@@ -91,14 +91,14 @@ fn a_quarter_turn_exchanges_warp_and_weft() {
     }
 }
 
-/// The two ways to follow light from yarn to yarn agree on a cloth of two media as they do on one of one: at 640 nm, in the mean
-/// over the views, within the 10 % that f* costs there.
+/// Both integrators agree on a cloth of two media as they do on one of a single medium: at 640 nm, in the mean over the
+/// views, within the 10 % error of the f* approximation there.
 #[test]
-fn both_methods_agree_on_white_and_red_yarns() {
+fn both_integrators_agree_on_white_and_red_yarns() {
     let mean = |method, warp, weft| {
         let mut study = cloth(warp, weft);
         study.cloth.method = method;
-        study.cloth.bounces = Bounces::ALL;
+        study.cloth.bounces = BounceLimit::ALL;
         let red = |batch: &Vec<f64>| batch.iter().skip(2).step_by(3).sum::<f64>() / 6.0;
         Estimate::from_batches(batches(study).iter().map(red))
     };
@@ -133,14 +133,14 @@ fn weft_equal_to_warp_shares_its_yarn() {
     let spec = &plan.cloth_spec;
     let rounded = [spec.weft_radius_mm, spec.warp_spacing_mm, spec.weft_spacing_mm].map(|mm| (mm * 1e6).round() / 1e6);
     assert_eq!(rounded, [0.12, 0.486, 0.54]);
-    // The weft under the warp is not the warp under the weft.
+    // A weft under a warp differs from a warp under a weft.
     let group = |same_media| symmetries(&Default::default(), same_media, true);
     assert!(group(false).iter().all(|symmetry| !symmetry.swap) && group(true).iter().any(|symmetry| symmetry.swap));
 }
 
-/// A dispersive weft parts the wavelengths in the warp too.
+/// A dispersive weft makes paths independent in the warp too.
 #[test]
-fn a_dispersive_weft_is_traced() {
+fn dispersive_weft_makes_paths_independent_in_both_systems() {
     let folder = tempfile::tempdir().unwrap();
     let table = folder.path().join("index.csv");
     std::fs::write(&table, "wavelength_nm,value\n400,1.57\n550,1.557\n700,1.55\n").unwrap();

@@ -21,7 +21,7 @@ fn cloth(weave: Weave) -> Cloth {
 }
 
 #[test]
-fn plain_weave_covers_what_its_silhouette_does() {
+fn plain_weave_cover_equals_its_silhouette() {
     let cloth = cloth(Weave::Plain);
     let [cell_x, cell_y] = cloth.cell_mm();
     assert_eq!([cell_x, cell_y], [1.08, 1.08]);
@@ -134,7 +134,7 @@ fn sphere_trace(line: &CentreLine, origin: Vec3, direction: Vec3) -> Option<f64>
 }
 
 #[test]
-fn oblique_and_grazing_rays_agree_with_sphere_tracing_of_the_smooth_yarns() {
+fn oblique_and_grazing_rays_agree_with_sphere_tracing() {
     let cloth = cloth(Weave::Plain);
     let up = vec![true, false];
     let line = CentreLine::new(CentreLineKind::Peirce, System::Warp, up, SPACING, 2.0 * RADIUS).unwrap();
@@ -185,7 +185,7 @@ fn oblique_and_grazing_rays_agree_with_sphere_tracing_of_the_smooth_yarns() {
 }
 
 #[test]
-fn the_cloth_is_the_same_in_every_cell() {
+fn hits_are_periodic_over_cells() {
     for weave in [Weave::Plain, Weave::Twill21, Weave::Satin5] {
         let cloth = cloth(weave);
         let [cell_x, cell_y] = cloth.cell_mm();
@@ -225,7 +225,7 @@ fn the_cloth_is_the_same_in_every_cell() {
 }
 
 #[test]
-fn a_shadow_ray_skips_the_owner_all_along_and_nothing_else() {
+fn shadow_ray_skips_only_the_owner_along_its_whole_length() {
     let cloth = cloth(Weave::Plain);
     let owner = YarnId {
         system: System::Warp,
@@ -290,7 +290,7 @@ fn shadow_rays_agree_with_the_nearest_hit_of_other_yarns() {
 }
 
 #[test]
-fn rays_in_the_cloths_plane_and_along_its_axes_end() {
+fn rays_in_the_plane_and_along_the_axes_terminate() {
     let cloth = cloth(Weave::Plain);
     assert!(cloth.first_hit(Vec3::new(-7.0, 0.27, 0.15), Vec3::x()).is_some());
     assert!(cloth.first_hit(Vec3::new(0.0, 0.0, 0.31), Vec3::x()).is_none());

@@ -36,7 +36,7 @@ fn uneven(weave: Weave, centre_line: CentreLineKind, seed: u64) -> ClothSpec {
 }
 
 #[test]
-fn flattened_yarns_keep_their_area_and_cover_more() {
+fn flattened_yarns_preserve_area_and_increase_cover() {
     for q in [0.7, 1.0, 1.5, 2.0] {
         let cloth = Cloth::new(&flat(q, 1.0)).unwrap();
         let (a, b) = (0.15 * f64::sqrt(q), 0.15 / f64::sqrt(q));
@@ -63,7 +63,7 @@ fn flattened_yarns_keep_their_area_and_cover_more() {
 }
 
 #[test]
-fn every_weave_can_be_woven_of_flat_yarns() {
+fn every_weave_is_valid_with_flat_yarns() {
     for weave in [Weave::Plain, Weave::Twill21, Weave::Twill31, Weave::Satin5] {
         for (warp_flattening, weft_flattening) in
             [(1.5, 1.0), (1.0, 1.4), (1.5, 1.5), (2.0, 1.8), (0.8, 1.2), (0.7, 0.7)]
@@ -81,10 +81,10 @@ fn every_weave_can_be_woven_of_flat_yarns() {
     }
 }
 
-/// Normals of hits against the plane through three neighbouring hits, and crowns against their ellipse: at a crossing the
-/// centre line is level, so the section there is the plane across the yarn.
+/// Normals of hits against the plane through three neighbouring hits, and crowns against their ellipse: at a crossing
+/// the centre line is level, so the section there is the plane across the yarn.
 #[test]
-fn normals_and_crowns_of_flat_and_uneven_yarns_are_those_of_ellipses() {
+fn normals_and_crowns_of_flat_and_uneven_yarns_match_ellipses() {
     let sinusoid = CentreLineKind::Sinusoid { amplitude_mm: 0.16 };
     for spec in [
         flat(1.6, 1.2),
@@ -171,7 +171,7 @@ fn silhouettes(spec: &ClothSpec, system: System) -> BTreeMap<u32, (f64, f64)> {
 }
 
 #[test]
-fn variation_keeps_the_means_and_follows_its_seed() {
+fn variation_preserves_means_and_depends_on_its_seed() {
     let spec = uneven(Weave::Plain, CentreLineKind::Peirce, 7);
     for (system, yarns, half_width) in [(System::Warp, 6, 0.15 * 1.3f64.sqrt()), (System::Weft, 4, 0.15)] {
         let found = silhouettes(&spec, system);
@@ -225,7 +225,7 @@ fn repeats_without_variation_change_nothing() {
 }
 
 #[test]
-fn uneven_and_flat_yarns_that_overlap_are_refused() {
+fn overlapping_uneven_and_flat_yarns_are_rejected() {
     let refusal = |spec: ClothSpec| Cloth::new(&spec).expect_err("this cloth cannot be");
     // Level yarns whose axes cross 0.2 mm apart; half-heights 0.15/√1.44 each.
     match refusal(ClothSpec {

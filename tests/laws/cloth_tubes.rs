@@ -128,7 +128,7 @@ fn lambert(rng: &mut Xoshiro256PlusPlus, normal: Vec3, sign: f64) -> Vec3 {
 }
 
 #[test]
-fn floats_are_straight_cylinders_in_closed_form() {
+fn floats_match_the_closed_form_of_a_straight_cylinder() {
     // Warp 0 of the 3/1 twill runs level over wefts 1 to 3, its axis at y = 0.27, z = 0.15.
     let cloth = Cloth::new(&ClothSpec {
         weave: Weave::Twill31,
@@ -157,7 +157,7 @@ fn floats_are_straight_cylinders_in_closed_form() {
 }
 
 #[test]
-fn rays_inside_end_on_the_surface_and_meet_none_before() {
+fn rays_inside_end_at_the_first_surface() {
     for (n, spec) in weaves().iter().enumerate() {
         let cloth = Cloth::new(spec).unwrap();
         let slow = Slow::new(spec);
@@ -193,7 +193,7 @@ fn rays_inside_end_on_the_surface_and_meet_none_before() {
 }
 
 #[test]
-fn the_first_yarn_is_the_one_that_dense_marching_meets() {
+fn first_hit_agrees_with_dense_marching() {
     for (n, spec) in weaves().iter().enumerate() {
         let cloth = Cloth::new(spec).unwrap();
         let slow = Slow::new(spec);
@@ -234,7 +234,7 @@ fn the_first_yarn_is_the_one_that_dense_marching_meets() {
 }
 
 #[test]
-fn rays_can_be_reversed() {
+fn reversed_rays_return_to_their_origin() {
     for (n, spec) in weaves().iter().enumerate() {
         let cloth = Cloth::new(spec).unwrap();
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(80 + n as u64);
@@ -263,7 +263,7 @@ fn rays_can_be_reversed() {
 }
 
 #[test]
-fn yarns_in_contact_hand_rays_over() {
+fn rays_pass_between_yarns_in_contact() {
     // Warp 0 lies on weft 0 at (0.27, 0.27, 0); they touch along the arcs.
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let contact = Vec3::new(0.27, 0.27, 0.0);
@@ -276,7 +276,7 @@ fn yarns_in_contact_hand_rays_over() {
 }
 
 #[test]
-fn the_cloth_is_the_same_in_every_cell() {
+fn hits_are_periodic_over_cells() {
     for spec in weaves() {
         let cloth = Cloth::new(&spec).unwrap();
         let [cell_x, cell_y] = cloth.cell_mm();
@@ -312,7 +312,7 @@ fn the_cloth_is_the_same_in_every_cell() {
 }
 
 #[test]
-fn rays_in_the_cloths_plane_and_along_its_axes_end() {
+fn rays_in_the_plane_and_along_the_axes_terminate() {
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     assert!(cloth.first_hit(Vec3::new(-7.0, 0.27, 0.15), Vec3::x()).is_some());
     assert!(cloth.first_hit(Vec3::new(0.0, 0.0, 0.31), Vec3::x()).is_none());
@@ -333,7 +333,7 @@ fn rays_in_the_cloths_plane_and_along_its_axes_end() {
 /// Gaps of an open weave in an independent renderer: tests/data/cloth_open_weave_gaps.csv. Its azimuth of incidence
 /// is along a yarn.
 #[test]
-fn gaps_of_an_open_weave_are_those_of_an_independent_renderer() {
+fn gaps_of_an_open_weave_match_an_independent_renderer() {
     let cloth = Cloth::new(&weaves()[3]).unwrap();
     let mut rows = csv::ReaderBuilder::new()
         .comment(Some(b'#'))

@@ -1,11 +1,11 @@
-//! Coverage: standard errors are the right size, from the yarn's ledger to Table 1. Of many small runs that differ in seed
-//! alone, the share whose interval of ± one standard error holds the value of a run 64 times as long.
+//! Coverage of standard errors, from the yarn's ledger to Table 1: the fraction of many small runs, which differ only
+//! in seed, whose interval of ± one standard error contains the value of a run 64 times as long.
 //!
-//! The intervals are those a user sees, value ± se of 16 batches, with nothing added for their small number: Student's t
-//! with 15 degrees of freedom puts 66.7 % within ± 1, and 68.3 % is what no number of batches exceeds. Quantities of one run
-//! know of each other, so a class of them counts as little more than one a run in the worst case: 200 runs of 66.7 % have a
-//! standard error of 3.3 %, and 60 to 76 % is left by chance with a new seed 3 % of the time, a class of several quantities
-//! less often.
+//! The intervals are those a user sees, value ± se of 16 batches, with nothing added for their small number: Student's
+//! t with 15 degrees of freedom puts 66.7 % within ± 1, and 68.3 % is what no number of batches exceeds. Quantities of
+//! one run know of each other, so a class of them counts as little more than one a run in the worst case: 200 runs of
+//! 66.7 % have a standard error of 3.3 %, and 60 to 76 % is left by chance with a new seed 3 % of the time, a class of
+//! several quantities less often.
 
 use std::collections::BTreeMap;
 
@@ -157,7 +157,7 @@ fn quantities(plan: &Plan, measured: &[Option<Reading>]) -> Quantities {
     found
 }
 
-/// A measurement without error: what is left is the error of the runs.
+/// A measurement without error, so that only the error of the runs remains.
 fn exact(plan: &Plan) -> Vec<Option<Reading>> {
     let reading = Reading::independent([0.5, 0.1, 0.1, 0.2], [0.0; 4]);
     vec![Some(reading); plan.geometries().len()]
@@ -175,8 +175,8 @@ fn coverage(estimator: EstimatorChoice) {
         for (class, small) in &small {
             let [hits, count, share] = covered.entry(long.get_key_value(class).unwrap().0).or_default();
             for (&(value, se), &(true_value, true_se)) in small.iter().zip(&long[class]) {
-                // A cell of which even the long run knows only this has so little light that a small run's batches, most of
-                // them without any, are nothing like normal.
+                // A cell of which even the long run knows only this has so little light that a small run's batches,
+                // most of them without any, are nothing like normal.
                 if class.starts_with("f*") && true_se > 0.03 * true_value {
                     continue;
                 }
@@ -200,12 +200,12 @@ fn coverage(estimator: EstimatorChoice) {
 }
 
 #[test]
-fn intervals_hold_the_long_run_value() {
+fn confidence_intervals_cover_the_long_run_value() {
     coverage(EstimatorChoice::Shared);
 }
 
 #[test]
 #[ignore = "minutes"]
-fn intervals_of_independent_paths_hold_the_long_run_value() {
+fn confidence_intervals_of_independent_paths_cover_the_long_run_value() {
     coverage(EstimatorChoice::Independent);
 }

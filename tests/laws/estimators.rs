@@ -1,9 +1,9 @@
 //! One path for all wavelengths against a path for each: both have the same expectation, at the study's 35 wavelengths
 //! with its dye, without absorption and with much of it, and both agree with the photon tracing of another program.
 //!
-//! Seeds are fixed; a stated false-alarm rate is that of new seeds. Wavelengths that share paths are almost one value, so
-//! a χ² of them has far fewer degrees of freedom than terms: its distribution comes from random signs of whole batches
-//! (`batch_statistics/mod.rs`), which keeps the correlation as it is.
+//! Seeds are fixed; a stated false-alarm rate is that of new seeds. Wavelengths that share paths are almost one value,
+//! so a χ² of them has far fewer degrees of freedom than terms: its distribution comes from random signs of whole
+//! batches (`batch_statistics/mod.rs`), which keeps the correlation as it is.
 
 use crate::batch_statistics::all_zero;
 use rand::{RngExt, SeedableRng};
@@ -70,8 +70,8 @@ fn ledgers(yarn: &Yarn, seed: u64, paths_per_batch: u64) -> Vec<Vec<Ledger>> {
     (0..BATCHES).map(|batch| tracer.batch(batch).ledgers).collect()
 }
 
-/// \[batch\]\[2 tilts × 18 azimuths × wavelength\] of the light under a parallel beam, as fractions of it: f* summed over
-/// the directions in which it leaves.
+/// \[batch\]\[2 tilts × 18 azimuths × wavelength\] of the light under a parallel beam, as fractions of it: f* summed
+/// over the directions in which it leaves.
 fn histograms(yarn: &Yarn, seed: u64, paths_per_batch: u64) -> Vec<Vec<f64>> {
     let grid = YarnResponseGrid::new(2, SurfaceGrid::new(36, 1, 4).unwrap()).unwrap();
     let effort = Effort::new(seed, BATCHES, paths_per_batch * BATCHES as u64).unwrap();
@@ -113,11 +113,11 @@ fn limit(values: usize, batches: usize) -> f64 {
 }
 
 /// Both estimators at each medium, with so many times the least number of paths: joint tests of scattered and absorbed
-/// totals and of histograms, where the shared run knows them to 4 %; batch means of what few paths reach are nothing like
-/// normal.
+/// totals and of histograms, where the shared run knows them to 4 %; batch means of what few paths reach are nothing
+/// like normal.
 ///
-/// Ballistic light is exact but for what is reflected inside, at short wavelengths so rare that the independent estimator
-/// sees a path of it or none: each value is held to its own error and the light of five paths.
+/// Ballistic light is exact but for what is reflected inside, at short wavelengths so rare that the independent
+/// estimator sees a path of it or none: each value is held to its own error and the light of five paths.
 fn agree(times: u64) {
     const KNOWN_TO: f64 = 0.04;
     for (name, medium) in media() {
@@ -167,11 +167,11 @@ fn shared_and_independent_paths_agree_at_length() {
     agree(20);
 }
 
-/// A shared path's ledger closes to rounding at every wavelength and direction, and what the balance and roulette take is 0 in
-/// the mean; without absorption nothing is absorbed. False alarms: 2 quantities × 4 media, 0.1 % each by the greatest of 210 |t| and 0.1 % by
-/// all of them together.
+/// The ledger of shared paths closes to rounding at every wavelength and direction. The net effects of the balance
+/// heuristic and of Russian roulette are 0 in the mean; without absorption nothing is absorbed. False-alarm rate: 2
+/// quantities × 4 media, each 0.1 % by the largest of 210 |t| and 0.1 % by the joint test.
 #[test]
-fn shared_ledgers_close_and_their_nets_are_zero_in_the_mean() {
+fn shared_ledgers_close_and_sampling_nets_have_zero_mean() {
     for (name, medium) in media() {
         let white = medium.mu_a_per_mm().iter().all(|mu_a| *mu_a == 0.0);
         let batches = ledgers(&yarn(medium, Estimator::Shared), 35, 1000);
@@ -217,8 +217,8 @@ struct Row {
     se: f64,
 }
 
-/// Yarns of the photon tracer at one tilt, out of one run of all 35 wavelengths: where the reference has a wavelength the
-/// medium has the reference's absorption, elsewhere one of its own, and all share the paths.
+/// Yarns of the photon tracer at one tilt, out of one run of all 35 wavelengths: where the reference has a wavelength
+/// the medium has the reference's absorption, elsewhere one of its own, and all share the paths.
 fn against_photon_tracer(psi_deg: f64, paths_per_batch: usize) -> Vec<(String, f64)> {
     const BATCHES: usize = 100;
     /// Ballistic, scattered, absorbed; 36 bins of the azimuth and 18 of the angle to the axis of scattered light.
@@ -277,7 +277,7 @@ fn against_photon_tracer(psi_deg: f64, paths_per_batch: usize) -> Vec<(String, f
                 |exit| {
                     if exit.scattered {
                         let d = exit.direction;
-                        // 0 is straight on, 180° back to the light.
+                        // 0 is forward, 180° backward.
                         let azimuth_deg = d.x.atan2(-d.z).to_degrees().rem_euclid(360.0);
                         let to_axis_deg = d.y.clamp(-1.0, 1.0).acos().to_degrees();
                         let azimuth = 3 + ((azimuth_deg / 10.0) as usize).min(35);
@@ -349,10 +349,10 @@ fn shared_paths_agree_with_the_photon_tracer() {
     }
 }
 
-/// A dispersive host parts the wavelengths: the independent estimator is used whatever was asked for, to the same bits, and
-/// its ledger closes to rounding.
+/// In a dispersive host the independent estimator is used whatever was requested, with the same bits, and its ledger
+/// closes to rounding.
 #[test]
-fn dispersive_host_has_a_path_for_each_wavelength() {
+fn dispersive_host_uses_independent_paths() {
     let grid = WavelengthGrid::new(vec![450.0, 550.0, 650.0]).unwrap();
     let of = |host_index: Vec<f64>| {
         let spec = MediumSpec {
@@ -369,8 +369,8 @@ fn dispersive_host_has_a_path_for_each_wavelength() {
         };
         Medium::new(&spec, &grid).unwrap()
     };
-    let even = yarn(of(vec![1.557; 3]), Estimator::Shared);
-    assert_eq!(even.estimator_in_use(), Estimator::Shared);
+    let shared = yarn(of(vec![1.557; 3]), Estimator::Shared);
+    assert_eq!(shared.estimator_in_use(), Estimator::Shared);
     let dispersive = of(vec![1.566, 1.557, 1.552]);
     let [shared, independent] = [Estimator::Shared, Estimator::Independent].map(|estimator| {
         let yarn = yarn(dispersive.clone(), estimator);
@@ -383,9 +383,9 @@ fn dispersive_host_has_a_path_for_each_wavelength() {
     }
 }
 
-/// With one wavelength the two estimators are one, to the last bit.
+/// With one wavelength both estimators give the same bits.
 #[test]
-fn one_wavelength_gives_the_same_bits_by_both_estimators() {
+fn both_estimators_give_the_same_bits_for_one_wavelength() {
     let mut study = Study::default();
     study.spectrum.wavelengths_nm = Some(vec![600.0]);
     let medium = medium(&study).unwrap();
@@ -396,11 +396,11 @@ fn one_wavelength_gives_the_same_bits_by_both_estimators() {
     assert!(shared == independent);
 }
 
-/// The joint test itself, on 200 sets of 40 batches of 35 values that are one value to 1 %, as wavelengths that share paths
-/// are: it raises an alarm at the rate it is asked to (5 %: 10 ± 3 sets), and hardly ever misses a mean that is 5 standard
-/// errors off.
+/// The joint test itself, on 200 sets of 40 batches of 35 values that are one value to 1 %, as wavelengths that share
+/// paths are: it raises an alarm at the rate it is asked to (5 %: 10 ± 3 sets), and hardly ever misses a mean that is 5
+/// standard errors off.
 #[test]
-fn the_joint_test_keeps_its_rate() {
+fn joint_test_has_its_nominal_false_alarm_rate() {
     let mut alarms = [0; 2];
     for set in 0..200 {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(set);

@@ -1,4 +1,4 @@
-//! Laws of the gloss of fibres: its energy, its sampling, its limits, and which way it turns.
+//! Laws of the gloss of fibres: energy, sampling, limits, and sense of the twist.
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -34,8 +34,8 @@ fn panels(low: f64, high: f64, n: usize) -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
-/// ∫ p dω over a range of θ and of φ. p has a step where θ is the light's, past which no facet mirrors light into the surface, and is
-/// steepest about the mirror's direction there: with `crowded` nodes crowd to it from the range's ends.
+/// ∫ p dω over a range of θ and of φ. p has a step where θ is the light's, past which no facet mirrors light into the
+/// surface, and is steepest about the mirror's direction there: with `crowded` nodes crowd to it from the range's ends.
 fn integral(gloss: &FibreGloss, light: &Vec3, theta: [f64; 2], phi: [f64; 2], n: usize, crowded: bool) -> f64 {
     let sides = |[low, high]: [f64; 2], step: f64| {
         let step = step.clamp(low, high);
@@ -61,9 +61,9 @@ fn integral(gloss: &FibreGloss, light: &Vec3, theta: [f64; 2], phi: [f64; 2], n:
     sum
 }
 
-/// To 1e-9, from normal to grazing light; the worst found was 3e-12.
+/// Integral 1 to 1e-9, from normal to grazing light; largest measured deviation 3e-12.
 #[test]
-fn all_that_is_reflected_leaves() {
+fn lobe_is_normalised() {
     for roughness in ROUGHNESSES {
         for (theta_deg, phi_deg, twist_deg) in [
             (0.0, 0.0, 20.0),
@@ -89,7 +89,7 @@ fn all_that_is_reflected_leaves() {
 
 /// χ² of 128 bins of directions. False alarms: 12 cases, 1e-3 together.
 #[test]
-fn directions_are_drawn_from_the_density() {
+fn sampled_directions_follow_the_density() {
     const DRAWS: usize = 1_000_000;
     let (rings, sectors) = (8, 16);
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
@@ -131,7 +131,7 @@ fn directions_are_drawn_from_the_density() {
 }
 
 #[test]
-fn without_roughness_it_is_a_mirror() {
+fn small_roughness_approaches_specular_reflection() {
     let smooth = gloss(20.0, [0.001, 0.001]);
     for theta in [0.0, 0.7, 1.4] {
         let light = direction(theta, 0.3);
@@ -147,7 +147,7 @@ fn without_roughness_it_is_a_mirror() {
 }
 
 #[test]
-fn what_is_alike_every_way_knows_no_twist() {
+fn isotropic_lobe_does_not_depend_on_twist() {
     let (light, view) = (direction(0.6, 0.3), direction(0.9, 2.9));
     let straight = gloss(0.0, [0.3, 0.3]).density(&light, &view);
     for twist_deg in [-90.0, -35.0, 20.0, 75.0] {
@@ -161,10 +161,11 @@ fn what_is_alike_every_way_knows_no_twist() {
     }
 }
 
-/// Under light along the normal the lobe is brightest across the fibres, at 90° to the axis plus the twist. S is the mirror image of
-/// Z. A Z-twisted yarn that hangs before the viewer, its axis up and the tangent to the right, has fibres as the bar of a Z.
+/// Under light along the normal the lobe is brightest across the fibres, at 90° to the axis plus the twist. S is the
+/// mirror image of Z. A Z-twisted yarn that hangs before the viewer, its axis up and the tangent to the right, has
+/// fibres as the bar of a Z.
 #[test]
-fn the_lobe_turns_with_the_twist() {
+fn lobe_rotates_with_the_twist() {
     let light = Vec3::z();
     for twist_deg in [-70.0, -20.0, 0.0, 20.0, 45.0] {
         let gloss = gloss(twist_deg, [0.1, 0.6]);
@@ -185,17 +186,18 @@ fn the_lobe_turns_with_the_twist() {
     assert!((one / other - 1.0).abs() < 1e-12 && (s.density(&light, &view) / one - 1.0).abs() > 0.1);
 }
 
-/// A bed of round fibres side by side, seen and lit from straight above: a fibre's width is evenly lit, and the normal at sin ψ of
-/// its half width leans by ψ.
+/// A bed of parallel round fibres, viewed and lit along the normal: irradiance is uniform over a fibre's width, and the
+/// normal at sin ψ of the half width is inclined by ψ.
 #[test]
-fn across_round_fibres_slopes_are_those_of_cylinders() {
+fn slopes_across_round_fibres_match_cylinders() {
     let bed = gloss(0.0, [0.001, 1.0]);
     let n = 500;
     let mut sines: Vec<f64> = (0..n * n)
         .map(|k| {
             let numbers = [k / n, k % n].map(|i| (f64::from(i) + 0.5) / f64::from(n));
             let view = bed.draw(&Vec3::z(), numbers);
-            // Facets steeper than 45 degrees mirror light into the surface and are folded up: their slope is the inverse.
+            // Facets steeper than 45 degrees mirror light into the surface and are folded up: their slope is the
+            // inverse.
             let half = 0.5 * view.x.atan2(view.z);
             half.sin()
         })
@@ -210,9 +212,10 @@ fn across_round_fibres_slopes_are_those_of_cylinders() {
     }
 }
 
-/// F p / cosθ_out one way over the other: 1 for a reciprocal surface. What docs/between.md says of it.
+/// Ratio of F p / cosθ_out to its value with light and view exchanged: 1 for a reciprocal surface. The limits are those
+/// stated in docs/between.md.
 #[test]
-fn how_far_from_reciprocal() {
+fn deviation_from_reciprocity_is_as_documented() {
     let f = |gloss: &FibreGloss, light: &Vec3, view: &Vec3| {
         fresnel::reflectance(light.z, 1.557) * gloss.density(light, view) / view.z
     };
@@ -239,7 +242,7 @@ fn how_far_from_reciprocal() {
 }
 
 #[test]
-fn parameters_out_of_range_are_refused() {
+fn parameters_out_of_range_are_rejected() {
     for twist in [f64::NAN, 1.6, -1.6] {
         assert!(matches!(
             FibreGloss::new(twist, 0.1, 0.6),

@@ -1,4 +1,4 @@
-//! The virtual goniophotometer on things whose appearance is known.
+//! The virtual goniophotometer on samples with known results.
 
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -42,7 +42,7 @@ fn angles_follow_the_signed_convention() {
 }
 
 #[test]
-fn angles_out_of_range_are_refused() {
+fn angles_out_of_range_are_rejected() {
     let rig = Rig::default();
     assert_eq!(rig.incidences_deg(), [0.0, 30.0, 60.0]);
     assert_eq!(rig.views_deg().len(), 27);
@@ -67,7 +67,7 @@ fn angles_out_of_range_are_refused() {
 }
 
 #[test]
-fn a_perfect_diffuser_has_factor_one_at_every_angle() {
+fn perfect_diffuser_has_brightness_factor_one_at_every_angle() {
     let rig = Rig::default();
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     for &theta_i in rig.incidences_deg() {
@@ -76,7 +76,7 @@ fn a_perfect_diffuser_has_factor_one_at_every_angle() {
             let (l, v) = (omega_in(theta_i, 20.0), omega_out(theta_v, 20.0));
             let sheet = BrightnessFactor(1.0).brdf().0 * l.z;
             assert!((brightness_factor(sheet, cos_i).0 - 1.0).abs() < 1e-14);
-            // Cloth and gaps that shine alike: no cosine of the view is left over.
+            // Cloth and gaps of equal radiance: the mean must not contain the cosine of the view.
             let shining = mean(&cloth, &v, 8, 1, |_| cos_i / PI);
             assert!(
                 (brightness_factor(shining, cos_i).0 - 1.0).abs() < 1e-13,
@@ -86,13 +86,13 @@ fn a_perfect_diffuser_has_factor_one_at_every_angle() {
     }
 }
 
-/// The part of a plain weave's cell that yarns of radius R at spacing p hide from straight above.
+/// Fraction of a plain weave's cell covered by yarns of radius R at spacing p, viewed along the normal.
 fn coverage_from_above(radius_mm: f64, spacing_mm: f64) -> f64 {
     1.0 - (1.0 - 2.0 * radius_mm / spacing_mm).powi(2)
 }
 
 #[test]
-fn seen_from_above_either_system_shows_half_the_cover() {
+fn each_system_contributes_half_the_cover_at_normal_view() {
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let see =
         |system| move |i: Option<Interaction>| f64::from(u8::from(i.is_some_and(|i| i.hit.yarn.system == system)));
@@ -106,7 +106,7 @@ fn seen_from_above_either_system_shows_half_the_cover() {
 
 /// Gaps of an open weave in an independent renderer: tests/data/cloth_open_weave_gaps.csv.
 #[test]
-fn gaps_agree_with_an_independent_renderer() {
+fn gaps_match_an_independent_renderer() {
     let cloth = Cloth::new(&ClothSpec {
         weave: Weave::Plain,
         centre_line: CentreLineKind::Sinusoid { amplitude_mm: 0.126 },
@@ -141,7 +141,7 @@ fn gaps_agree_with_an_independent_renderer() {
 }
 
 #[test]
-fn local_directions_are_those_of_the_world() {
+fn local_directions_transform_back_to_the_world_frame() {
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let (l, v) = (omega_in(60.0, 35.0), omega_out(65.0, 35.0));
     let (mut seen, mut lit, mut turned_up) = (0, 0, 0);
@@ -158,7 +158,7 @@ fn local_directions_are_those_of_the_world() {
                 lit += 1;
             }
             assert!((i.omega_out_local.norm() - 1.0).abs() < 1e-14 && i.omega_out_local.z > 0.0);
-            // Turned up to a cosine of 1e-6 at an outline alone.
+            // Rotated up to a cosine of 1e-6 only at a silhouette.
             let turn = (frame.to_world(&i.omega_out_local) - v).norm();
             assert!(turn < 2e-6, "{turn}");
             turned_up += i32::from(turn > 1e-12);
@@ -176,7 +176,7 @@ fn local_directions_are_those_of_the_world() {
 }
 
 #[test]
-fn light_along_the_line_of_sight_casts_no_visible_shadow() {
+fn light_from_the_view_direction_casts_no_visible_shadow() {
     let cloth = Cloth::new(&ClothSpec {
         weave: Weave::Twill21,
         ..ClothSpec::default()
@@ -192,7 +192,7 @@ fn light_along_the_line_of_sight_casts_no_visible_shadow() {
 }
 
 #[test]
-fn the_same_seed_sees_the_same() {
+fn same_seed_gives_the_same_view() {
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let v = omega_out(-20.0, 0.0);
     let look = |seed| {
@@ -207,11 +207,11 @@ fn the_same_seed_sees_the_same() {
     assert_ne!(look(5), look(6));
 }
 
-/// Helmholtz: ∫ (n·l)⁺ (n·v)⁺ over the surface both seen and lit does not know which is which. The rig, seeing along v, has
-/// the (n·v) in its measure: cosθ_v times its mean of (n·l)⁺ is the integral per area of cloth. Here with the shadow of the
-/// yarn on itself, which a ray from the surface finds.
+/// Helmholtz reciprocity: ∫ (n·l)⁺ (n·v)⁺ over the surface both visible and lit is symmetric in l and v. The rig
+/// viewing along v includes (n·v) in its measure: cosθ_v times its mean of (n·l)⁺ is the integral per area of cloth.
+/// Here with the yarn's shadow on itself, found by a ray from the surface.
 #[test]
-fn light_and_viewer_may_change_places() {
+fn visible_and_lit_surface_is_reciprocal() {
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let [cell_x, cell_y] = cloth.cell_mm();
     let half = |l: &Vec3, v: &Vec3, seed: u64| {
@@ -239,10 +239,10 @@ fn light_and_viewer_may_change_places() {
     }
 }
 
-/// The outward normals of a convex or any closed tube sum up to its silhouette: seen along v, the mean over the cell of 1 is
-/// covered + gaps, and from either side of the cloth the same is covered.
+/// The outward normals of a convex or any closed tube sum up to its silhouette: seen along v, the mean over the cell of
+/// 1 is covered + gaps, and from either side of the cloth the same is covered.
 #[test]
-fn cover_is_the_same_from_both_sides_and_grows_with_the_angle() {
+fn cover_is_equal_from_both_sides_and_increases_with_angle() {
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let [cell_x, cell_y] = cloth.cell_mm();
     let mut last = coverage_from_above(0.15, 0.54) - 1e-3;
@@ -265,10 +265,10 @@ fn cover_is_the_same_from_both_sides_and_grows_with_the_angle() {
     }
 }
 
-/// Camera rays are even over their pixels: offsets within a pixel have the mean 1/2 and the variance 1/12 along both sides, and
-/// those of x and y are independent.
+/// Camera rays are uniform over their pixels: offsets within a pixel have mean 1/2 and variance 1/12 along both sides,
+/// and x and y are independent.
 #[test]
-fn camera_rays_fill_their_pixels() {
+fn camera_rays_are_uniform_over_pixels() {
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     const SIDE: usize = 200;
     let samples = PixelSamples::new(SIDE, SIDE).unwrap();
@@ -297,7 +297,7 @@ fn camera_rays_fill_their_pixels() {
 }
 
 #[test]
-fn a_view_has_the_same_rays_whatever_else_is_measured() {
+fn camera_rays_do_not_depend_on_other_views() {
     let mut study = Study::default();
     study.rig.pixels_per_side = 6;
     let plan = Plan::new(study).unwrap();
@@ -324,10 +324,10 @@ fn a_view_has_the_same_rays_whatever_else_is_measured() {
     assert_ne!(look(&all, 4), together);
 }
 
-/// f* = 1 everywhere at one wavelength and 2 at another gives β = π times the part of the cell seen and lit, or somewhat
-/// more where the cosine of the tilt is interpolated, and twice that.
+/// f* = 1 everywhere at one wavelength gives β = π times the visible and lit fraction of the cell, or slightly more
+/// where the cosine of the tilt is interpolated; f* = 2 at another wavelength gives twice that.
 #[test]
-fn wavelengths_do_not_mix() {
+fn wavelengths_are_shaded_independently() {
     let plan = Plan::new(Study::default()).unwrap();
     let camera = plan.direct().look(plan.beams(&[Geometry::NORMAL]).lit(), 0);
     let response = YarnResponse::from_fn(plan.factor_grid, plan.grid.len(), |[.., wavelength]| match wavelength {

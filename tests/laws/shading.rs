@@ -39,7 +39,7 @@ fn facet_distribution_is_normalised() {
 }
 
 #[test]
-fn specular_is_reciprocal_and_isotropic() {
+fn specular_brdf_is_reciprocal_and_isotropic() {
     for distribution in DISTRIBUTIONS {
         let specular = Specular::new(distribution, 0.35, 1.557, 0.8).unwrap();
         for a in [0.0, 0.4, 1.2, 1.55] {
@@ -57,8 +57,8 @@ fn specular_is_reciprocal_and_isotropic() {
     }
 }
 
-/// Directional albedo ∫ f cosθ_v dω_v, integrated over facet normals, where the lobe is narrow in no direction: the mirrored
-/// direction sweeps 4 (v·h) steradians a steradian of normals.
+/// Directional albedo ∫ f cosθ_v dω_v, integrated over facet normals, where the lobe is narrow in no direction: the
+/// mirrored direction sweeps 4 (v·h) steradians a steradian of normals.
 fn albedo(specular: &Specular, m: f64, omega_in: &Vec3) -> f64 {
     let (rings, sectors) = (800, 180);
     let mut sum = 0.0;
@@ -105,7 +105,7 @@ fn white_furnace_never_gains_energy() {
 }
 
 #[test]
-fn gloss_has_the_limits_of_fresnel() {
+fn gloss_has_the_fresnel_limits() {
     // At normal incidence and view f = w ((n − 1)/(n + 1))² / (4 π m²).
     for distribution in DISTRIBUTIONS {
         let specular = Specular::new(distribution, 0.25, 1.557, 0.5).unwrap();
@@ -151,7 +151,7 @@ fn attenuation_follows_blinn() {
 }
 
 #[test]
-fn parameters_out_of_range_are_refused() {
+fn parameters_out_of_range_are_rejected() {
     let new = |m, n, w| Specular::new(Distribution::Beckmann, m, n, w).map(|_| ());
     assert_eq!(new(0.0, 1.5, 1.0), Err(ShadingError::Roughness { found: 0.0 }));
     assert_eq!(new(0.3, 0.9, 1.0), Err(ShadingError::Index { found: 0.9 }));

@@ -1,10 +1,10 @@
-//! Stop rules: their words, and what they make of batches.
+//! Stop rules: their notation, and their effect on batches.
 
 use specval::run::{Precision, StopRule, StoppedBy, Tolerance, Watched};
 use std::time::Duration;
 
 #[test]
-fn precisions_are_read_as_people_write_them() {
+fn precisions_are_parsed_in_every_accepted_notation() {
     for (text, tolerance, of) in [
         ("rel 1%", Tolerance::Relative(0.01), Watched::Curves),
         ("rel 0.5 %", Tolerance::Relative(0.005), Watched::Curves),
@@ -15,13 +15,13 @@ fn precisions_are_read_as_people_write_them() {
     ] {
         let precision: Precision = text.parse().unwrap();
         assert_eq!(precision, Precision { tolerance, of }, "{text}");
-        // What is printed can be typed.
+        // The printed form can be parsed again.
         assert_eq!(precision.to_string().parse(), Ok(precision), "{precision}");
     }
 }
 
 #[test]
-fn what_is_no_precision_is_told_with_an_example() {
+fn invalid_precision_is_reported_with_an_example() {
     for (text, found) in [
         ("", "\"\""),
         ("curves", "\"curves\""),
@@ -46,7 +46,7 @@ fn what_is_no_precision_is_told_with_an_example() {
 }
 
 #[test]
-fn the_study_the_paths_or_the_precision_is_the_end() {
+fn study_paths_or_precision_ends_a_run() {
     let precision = "rel 1%".parse().ok();
     for (precision, paths_are_a_limit, batches) in [
         (None, false, 16),
@@ -60,7 +60,7 @@ fn the_study_the_paths_or_the_precision_is_the_end() {
         let short = 0.01 * (1.0 + 1e-9);
         assert_eq!(rule.reached(batches - 1, || Some(short)), None);
         assert_eq!(rule.reached(batches, || Some(short)), Some(StoppedBy::Paths));
-        // With nothing to wait for a precision is no longer waited for.
+        // Without any light the precision no longer delays the end.
         let nothing = match batches {
             StopRule::MOST => StoppedBy::NothingHit,
             _ => StoppedBy::Paths,
@@ -78,7 +78,7 @@ fn the_study_the_paths_or_the_precision_is_the_end() {
 
 /// 1 % at 64 batches from an error of 39 % takes 97 344 of the 100 000 batches, from 40 % 102 400.
 #[test]
-fn a_precision_out_of_reach_ends_a_run_that_nothing_else_would_end() {
+fn unreachable_precision_ends_an_otherwise_unlimited_run() {
     let precision = "rel 1%".parse().ok();
     let open = StopRule::new(precision, None, 16, false);
     assert_eq!(open.reached(64, || Some(0.39)), None);
@@ -92,7 +92,7 @@ fn a_precision_out_of_reach_ends_a_run_that_nothing_else_would_end() {
 }
 
 #[test]
-fn errors_are_counted_as_the_tolerance_says() {
+fn errors_are_measured_by_the_tolerance() {
     let relative = Tolerance::Relative(0.01);
     assert_eq!(relative.error(-0.5, 0.01), 0.02);
     assert_eq!(relative.error(0.0, 0.0), f64::INFINITY);
@@ -102,7 +102,7 @@ fn errors_are_counted_as_the_tolerance_says() {
 }
 
 #[test]
-fn time_is_over_when_it_is_over() {
+fn run_ends_when_the_time_limit_is_reached() {
     let rule = StopRule::new(None, Some(Duration::from_secs(60)), 16, false);
     let seconds = Duration::from_secs;
     assert!(!rule.is_out_of_time(2, Duration::from_millis(59_999)));

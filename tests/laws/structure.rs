@@ -1,6 +1,7 @@
-//! Rooms use rooms that lib.rs lists before them, and files of the library never use each other in a circle.
+//! Modules use only modules that lib.rs lists before them, and files of the library have no dependency cycles.
 //!
-//! Read off the `use` lines. A file that only re-exports from its own children does not use them; tests inside a file do not count.
+//! Read off the `use` lines. A file that only re-exports from its own children does not use them; tests inside a file
+//! do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -231,7 +232,7 @@ fn in_circles(edges: &BTreeMap<String, BTreeSet<String>>) -> BTreeSet<String> {
 }
 
 #[test]
-fn files_do_not_go_in_circles() {
+fn files_have_no_dependency_cycles() {
     let circles = in_circles(&edges(&library()));
     let rooms: BTreeSet<&str> = circles.iter().map(|file| room(file)).collect();
     let known = BTreeSet::from(STILL_IN_CIRCLES);
@@ -239,7 +240,7 @@ fn files_do_not_go_in_circles() {
 }
 
 #[test]
-fn rooms_use_rooms_that_lib_rs_lists_before_them() {
+fn modules_use_only_modules_listed_before_them() {
     let lib = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).unwrap();
     let order: Vec<&str> = lib
         .lines()
@@ -270,9 +271,9 @@ fn rooms_use_rooms_that_lib_rs_lists_before_them() {
     }
 }
 
-/// The check itself sees a circle, and a way that is none.
+/// The check detects a cycle, and accepts a graph without one.
 #[test]
-fn a_circle_is_found() {
+fn cycle_is_detected() {
     let text = |uses: &str, defines: &str| format!("{uses}\npub struct {defines};\n");
     let mut files = Files::from([
         (

@@ -1,4 +1,4 @@
-//! The study file: what it accepts, what it refuses, and how it says so.
+//! The study file: accepted input, rejected input, and error messages.
 
 use proptest::prelude::*;
 use specval::cloth::Weave;
@@ -19,7 +19,7 @@ fn the_commented_file_is_the_default_study() {
 }
 
 #[test]
-fn keys_that_have_no_effect_any_more_are_read_with_a_notice() {
+fn obsolete_keys_are_read_with_a_notice() {
     let study = Study::from_toml(
         "seed = 3\n[cloth]\nsegments_around = 96\nspacing_diameters = 2.0\n",
         "old.toml",
@@ -48,7 +48,7 @@ fn docs_list_every_key() {
     );
 }
 
-/// Every key of the types is in the commented file, so nobody has to read the source to learn of one.
+/// The commented file contains every key, so no key is documented in the source alone.
 #[test]
 fn the_commented_file_has_every_key() {
     let text = Study::commented_toml();
@@ -90,9 +90,9 @@ fn the_commented_examples_may_be_uncommented() {
     );
 }
 
-/// Keys that only fibres have are no silent part of another surface.
+/// Keys that apply only to fibres are not silently ignored with another surface.
 #[test]
-fn fibres_keys_want_fibres() {
+fn keys_of_fibres_require_the_fibres_surface() {
     for key in ["[yarn]\ntwist_deg = 0", "[specular]\nroughness_across = 0.6"] {
         let message = refused(key).to_string();
         let words = ["line 2", "no value while [specular] surface is \"cloth\"", "\"fibres\""];
@@ -118,9 +118,9 @@ fn fibres_keys_want_fibres() {
     assert!(Plan::new(Study::default()).unwrap().fibres.is_none());
 }
 
-/// Every choice that the file offers is one the types know.
+/// The parser accepts every choice listed in the file.
 #[test]
-fn every_offered_choice_is_accepted() {
+fn every_documented_choice_is_accepted() {
     let text = Study::commented_toml();
     let lines: Vec<&str> = text.lines().collect();
     let (mut section, mut tried) = ("", 0);
@@ -141,7 +141,7 @@ fn every_offered_choice_is_accepted() {
 }
 
 #[test]
-fn what_is_written_is_read_back() {
+fn written_study_reads_back_unchanged() {
     let mut study = Study {
         seed: 77,
         ..Study::default()
@@ -167,7 +167,7 @@ fn the_default_grid_and_views_are_the_preprints() {
 }
 
 #[test]
-fn unknown_keys_are_refused_with_a_suggestion() {
+fn unknown_keys_are_rejected_with_a_suggestion() {
     let error = refused("seed = 2\n\n[medium]\nvolume_fracton = 0.2\n");
     assert_eq!(
         error.to_string(),
@@ -187,7 +187,7 @@ fn unknown_keys_are_refused_with_a_suggestion() {
 }
 
 #[test]
-fn the_first_fault_of_the_file_is_the_one_reported() {
+fn first_error_of_the_file_is_reported() {
     let error = refused("[yarn]\nradius_mm = \"x\"\n[medium]\nbad = 1\n");
     assert!(
         error.to_string().starts_with("my.toml, line 2: `yarn.radius_mm`"),
@@ -196,7 +196,7 @@ fn the_first_fault_of_the_file_is_the_one_reported() {
 }
 
 #[test]
-fn wrong_types_say_what_was_expected_and_found() {
+fn wrong_types_report_expected_and_found() {
     for (text, expected, found) in [
         (
             "[yarn]\nradius_mm = \"thick\"",
@@ -256,7 +256,7 @@ fn choices_are_suggested() {
 }
 
 #[test]
-fn values_out_of_range_are_refused_with_their_line() {
+fn values_out_of_range_are_rejected_with_their_line() {
     for (text, key, line) in [
         ("[medium]\nvolume_fraction = 0.74", "medium.volume_fraction", 2),
         ("[medium]\nvolume_fraction = -0.1", "medium.volume_fraction", 2),
@@ -302,7 +302,7 @@ fn values_out_of_range_are_refused_with_their_line() {
 }
 
 #[test]
-fn a_study_changed_in_memory_is_validated_too() {
+fn study_changed_in_memory_is_validated() {
     let mut study = Study::default();
     study.yarn.radius_mm = f64::NAN;
     let message = study.validate().unwrap_err().to_string();
@@ -319,7 +319,7 @@ fn a_study_changed_in_memory_is_validated_too() {
 }
 
 #[test]
-fn broken_toml_names_the_line() {
+fn invalid_toml_reports_its_line() {
     for text in ["seed = 1\n[medium\n", "seed = 1\nseed = 2\n", "seed = 1\nx ="] {
         match refused(text) {
             StudyError::Syntax { place, .. } => assert_eq!((place.file.as_str(), place.line), ("my.toml", 2), "{text}"),
@@ -389,14 +389,14 @@ fn numbers_of_the_medium_may_be_tables() {
 
 /// One column of values beside the wavelengths is plain under any title.
 #[test]
-fn a_table_may_title_its_values_as_it_likes() {
+fn table_may_use_any_title_for_its_values() {
     let file = table("wavelength_nm,n\n400,1.5\n700,1.5\n");
     let medium = medium(&with_tables(&[("host_index", &file.path().display().to_string())])).unwrap();
     assert!(medium.host_index().iter().all(|&n| n == 1.5));
 }
 
 #[test]
-fn a_bad_table_is_refused_by_key_and_file() {
+fn invalid_table_is_rejected_with_key_and_file() {
     for (key, text, words) in [
         (
             "host_index",
@@ -463,7 +463,7 @@ proptest! {
 }
 
 #[test]
-fn a_decimal_comma_is_named_with_the_point_it_should_be() {
+fn decimal_comma_is_reported_with_the_decimal_point_to_use() {
     for (text, found, point) in [
         ("[yarn]\nradius_mm = 0,15\n", "0,15", "write 0.15"),
         ("[yarn]\nradius_mm = 0,15 # mm\n", "0,15", "write 0.15"),

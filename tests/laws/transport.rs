@@ -153,10 +153,10 @@ fn absorbing_ledgers_close() {
     }
 }
 
-/// Light that grazes the surface enters in vanishing parts and then meets the surface from inside at an angle from which
-/// it hardly leaves: its path must end, without loss.
+/// Almost no light enters at grazing incidence, and it then meets the surface from inside at an angle at which it
+/// hardly leaves. Its path must end, without loss of energy.
 #[test]
-fn grazing_light_ends_and_is_accounted_for() {
+fn grazing_paths_terminate_and_close_the_ledger() {
     let phase = phase();
     let cylinder = Cylinder::new(0.15).unwrap();
     for (k, cosine) in [1e-3, 1e-6, 1e-8, 1e-12, 6.1e-17, 0.0].into_iter().enumerate() {
@@ -191,9 +191,9 @@ fn grazing_light_ends_and_is_accounted_for() {
     }
 }
 
-/// Paths side by side are the paths one after the other: their ledgers are sums, closed to rounding of the sums.
+/// The ledger of many paths is the sum of their ledgers, closed to the rounding of the sums.
 #[test]
-fn many_paths_close_as_one() {
+fn ledgers_of_many_paths_close_as_for_one() {
     let phase = phase();
     let shape = &Cylinder::new(0.15).unwrap();
     for (mu_s, mu_a) in [(6.0, 0.0), (6.0, 2.0), (60.0, 0.01), (0.0, 1.0)] {

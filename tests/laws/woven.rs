@@ -1,5 +1,5 @@
-//! Light from yarn to yarn: conservation of energy, the limit of single yarns, an open weave in an independent renderer, and
-//! both methods against each other.
+//! Light from yarn to yarn: conservation of energy, the limit of single yarns, an open weave in an independent
+//! renderer, and both methods against each other.
 
 use rayon::prelude::*;
 use specval::cloth::light::{
@@ -105,10 +105,10 @@ fn volumetric<D: Detector>(
         .collect()
 }
 
-/// A white cloth on a white plane sends every ray back; on a black one all that gets through is absorbed.
-/// False alarms 1e-4.
+/// A white cloth on a white backing reflects all light; on a black backing all transmitted light is absorbed.
+/// False-alarm rate 1e-4.
 #[test]
-fn a_white_cloth_on_white_sends_all_light_back() {
+fn white_cloth_on_white_backing_reflects_all_light() {
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let yarn = yarn(medium(vec![450.0, 650.0], 0.0), 0.15);
     let beam = Beam {
@@ -188,11 +188,11 @@ fn z(a: Estimate, b: Estimate) -> f64 {
     (a.value - b.value) / a.se.hypot(b.se)
 }
 
-/// A cloth of yarns that absorb nothing loses nothing: what leaves above, below and through the gaps is the beam. Of light
-/// traced through the medium exactly so in the mean; of light scattered by f* to the error of its table.
-/// False alarms: 8 values, 1e-3 together.
+/// A cloth of non-absorbing yarns conserves energy: the light that leaves above, below and through the gaps equals the
+/// beam. This holds exactly in the mean for the volumetric integrator, and to the error of the table for f*.
+/// False-alarm rate 1e-3 for 8 values.
 #[test]
-fn a_white_cloth_loses_no_light() {
+fn white_cloth_conserves_energy() {
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let yarn = yarn(medium(vec![450.0, 650.0], 0.0), 0.15);
     for theta_deg in [0.0, 60.0] {
@@ -213,11 +213,11 @@ fn a_white_cloth_loses_no_light() {
     }
 }
 
-/// The same to a thousandth: three standard errors are less than that. Minutes; `cargo test --release --test laws woven:: -- --ignored`.
-/// False alarms: 4 values of more than three standard errors, 1e-2 together.
+/// The same to a thousandth: three standard errors are less than that. Minutes; `cargo test --release --test laws
+/// woven:: -- --ignored`. False alarms: 4 values of more than three standard errors, 1e-2 together.
 #[test]
 #[ignore = "minutes"]
-fn a_white_cloth_loses_less_than_a_thousandth() {
+fn white_cloth_conserves_energy_to_a_thousandth() {
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let yarn = yarn(medium(vec![650.0], 0.0), 0.15);
     for theta_deg in [0.0, 60.0] {
@@ -231,11 +231,11 @@ fn a_white_cloth_loses_less_than_a_thousandth() {
     }
 }
 
-/// Of yarns 80 diameters apart hardly any light meets a second one: what a straight cylinder makes of a beam across it is what
-/// the cloth makes of the light that its gaps do not let through, up to the light above crossings, whose rest
-/// the second yarn may absorb. False alarms 4e-4.
+/// With yarns 80 diameters apart hardly any light meets a second yarn. The cloth then scatters the light that does not
+/// pass the gaps like a straight cylinder in a beam normal to its axis, except near crossings, where the second yarn
+/// may absorb part of the rest. False-alarm rate 4e-4.
 #[test]
-fn yarns_far_apart_are_single() {
+fn distant_yarns_scatter_like_single_yarns() {
     let (radius_mm, spacing_mm) = (0.125, 20.0);
     let medium = medium(vec![450.0, 650.0], 2.0);
     let cloth = Cloth::new(&ClothSpec {
@@ -306,8 +306,9 @@ struct Row {
 }
 
 /// R, T and A at both incidences and all 28 views of an independent renderer's open weave, at 650 nm with μ_a 2/mm:
-/// tests/data/cloth_open_weave.csv. Each value is within [`LIMIT`] standard errors, and Σ z² of the 14 views of an incidence
-/// below 48, which 14 squares of t with 23 degrees of freedom exceed with probability 5e-4 (75 of 150 000 drawn). False alarms: 5e-3 together.
+/// tests/data/cloth_open_weave.csv. Each value is within [`LIMIT`] standard errors, and Σ z² of the 14 views of an
+/// incidence below 48, which 14 squares of t with 23 degrees of freedom exceed with probability 5e-4 (75 of 150 000
+/// drawn). False alarms: 5e-3 together.
 fn compare_open_weave(particles: usize) {
     const CHI2: f64 = 48.0;
     let yarn = yarn(medium(vec![650.0], 2.0), 0.125);
@@ -361,21 +362,21 @@ fn compare_open_weave(particles: usize) {
 }
 
 #[test]
-fn an_open_weave_is_that_of_an_independent_renderer() {
+fn open_weave_matches_an_independent_renderer() {
     compare_open_weave(36_000);
 }
 
 /// The same with 1e7 particles, so that the reference's errors decide.
 #[test]
 #[ignore = "minutes"]
-fn an_open_weave_is_that_of_an_independent_renderer_with_many_particles() {
+fn open_weave_matches_an_independent_renderer_with_many_particles() {
     compare_open_weave(420_000);
 }
 
-/// Light that goes from yarn to yarn by f* comes back as light traced through the medium does, to 5 %: where a yarn absorbs much of
-/// what it scatters, and with the default dye. The docs give more. False alarms: 5 values, 5e-4.
+/// Both integrators give the same reflectance to 5 %, for a yarn that absorbs much of the light it scatters and for the
+/// default dye. The docs give more cases. False-alarm rate 5e-4 for 5 values.
 #[test]
-fn both_methods_agree_where_light_stays_near_its_entry() {
+fn both_integrators_agree_where_light_leaves_near_its_entry() {
     let cloth = Cloth::new(&ClothSpec::default()).unwrap();
     let dyed = Plan::new(Study::from_toml("[spectrum]\nwavelengths_nm = [450, 540, 640]\n", "test").unwrap()).unwrap();
     let bare = yarn(medium(vec![450.0, 550.0], 20.0), 0.15);
@@ -396,10 +397,10 @@ fn both_methods_agree_where_light_stays_near_its_entry() {
     }
 }
 
-/// Shading in the sun by rays from the camera, and light between yarns as the views are shown it, are all light that cones about the views
-/// catch, here of a cloth on a white plane. Mean over the views at normal incidence. False alarms 1e-4.
+/// Direct light by camera rays plus bounces connected to the views equals all light in cones about the views, for a
+/// cloth on a white backing. Mean over the views at normal incidence. False-alarm rate 1e-4.
 #[test]
-fn sun_and_light_between_are_all_light() {
+fn direct_light_and_bounces_sum_to_all_light() {
     let study = format!(
         "[spectrum]\nwavelengths_nm = [640]\n[trace]\nbatches = {BATCHES}\npaths_direct = 200000\n[cloth]\nbacking = \"white\"\n"
     );
@@ -469,7 +470,7 @@ fn sun_and_light_between_are_all_light() {
     assert!(z(shaded, caught).abs() <= LIMIT, "{shaded:?} {caught:?}");
 }
 
-/// The same batch is the same bits whatever was traced before, and another batch is another.
+/// A batch has the same bits whatever was traced before; different batches differ.
 #[test]
 fn batches_are_reproducible() {
     let yarn = yarn(medium(vec![650.0], 2.0), 0.125);

@@ -1,5 +1,5 @@
-//! What views see of light between yarns, worked out where their rays end, against what cones about the views catch of particles that
-//! leave the cloth.
+//! Light between yarns at the views by next-event estimation, compared with particles that leave the cloth inside cones
+//! about the views.
 
 use rayon::prelude::*;
 use specval::cloth::light::{Beam, Connected, Scene, Segments, ViewCones, ViewPaths, YarnSurface, YarnToYarn};
@@ -43,8 +43,8 @@ struct Case {
     surface: YarnSurface,
 }
 
-/// β of each batch, [batch][view × wavelength]: of all light in the cones, and of what views see but for what the first yarn
-/// scatters straight to them.
+/// β of each batch, [batch][view × wavelength]: from all light in the cones, and from connections, without the light
+/// that the first yarn scatters straight to the views.
 fn brightness(case: &Case, most: usize) -> [Vec<Vec<f64>>; 2] {
     let cloth = Cloth::new(&case.spec).unwrap();
     let grid = YarnResponseGrid::new(6, SurfaceGrid::new(24, 6, 12).unwrap()).unwrap();
@@ -114,10 +114,9 @@ fn less(all: &[Vec<f64>], part: &[Vec<f64>]) -> Vec<Vec<f64>> {
     all.iter().zip(part).map(each).collect()
 }
 
-/// Light that has been to two yarns or more: what goes to a second yarn adds to what is seen. White yarns, round and alone; those of
-/// fibres; flat ones that shine on a grey backing.
+/// Light that met two yarns or more. White round yarns; yarns of fibres; flat glossy yarns on a grey backing.
 #[test]
-fn views_see_what_cones_catch_of_light_between_yarns() {
+fn connections_agree_with_cones_for_bounces() {
     let flat = ClothSpec {
         warp_flattening: 1.3,
         weft_flattening: 1.2,
@@ -143,9 +142,9 @@ fn views_see_what_cones_catch_of_light_between_yarns() {
     }
 }
 
-/// Yarns as good as black, which shine, on a white plane: all that is seen comes from surfaces and the plane.
+/// Nearly black glossy yarns on a white backing: all light comes from surfaces and the backing.
 #[test]
-fn views_see_what_cones_catch_of_gloss_and_backing() {
+fn connections_agree_with_cones_for_gloss_and_backing() {
     let case = Case {
         spec: ClothSpec::default(),
         yarn: yarn(2000.0),

@@ -113,7 +113,7 @@ fn tables_integrate_to_the_ledger() {
                                 let at = ((direction * azimuths + azimuth) * z_cells + z) * exits + exit;
                                 let fraction = of.fractions[at * wavelengths + wavelength];
                                 whole += fraction;
-                                // S dΩ dA, as someone who has only the table would integrate it.
+                                // S dΩ dA, integrated from the table alone.
                                 match grid.value_per_fraction(z, exit) {
                                     None => overflow += fraction,
                                     Some(per_fraction) => {
@@ -211,7 +211,7 @@ fn bssrdf_sum_agrees_with_direct_simulation() {
     }
 }
 
-/// The same with 20 times the paths. Shown by hand: minutes.
+/// The same with 20 times the paths. Takes minutes; run by hand.
 #[test]
 #[ignore = "minutes"]
 fn bssrdf_sum_agrees_with_direct_simulation_at_length() {
@@ -226,7 +226,7 @@ fn bssrdf_sum_agrees_with_direct_simulation_at_length() {
 /// Tracing a quarter of the directions and mirroring gives the f*, and every direction the ledger, that tracing all of
 /// them gives. False alarms 0.1 % each.
 #[test]
-fn mirror_symmetry_changes_nothing() {
+fn mirror_symmetry_preserves_response_and_ledger() {
     let yarn = yarn(&[450.0, 600.0], 0.001, Estimator::Shared);
     let surface = SurfaceGrid::new(12, 2, 4).unwrap();
     let incident = |folded| IncidentGrid::new(9, 16, folded).unwrap();
@@ -261,7 +261,7 @@ fn mirror_symmetry_changes_nothing() {
 
 /// Same bits on 1 and 3 threads, another seed gives others.
 #[test]
-fn bits_do_not_depend_on_threads() {
+fn bits_do_not_depend_on_the_number_of_threads() {
     let surface = SurfaceGrid::new(12, 2, 4).unwrap();
     let grid = YarnResponseGrid::new(2, surface).unwrap();
     let incident = IncidentGrid::new(3, 8, true).unwrap();
@@ -323,7 +323,7 @@ fn interpolation_weights_are_exact_at_nodes_and_mirror() {
 /// All scattered light leaves beyond distance 0 and none infinitely far; the fraction falls with distance, and
 /// absorption, which shortens paths, lowers it at every distance by far more than its standard errors.
 #[test]
-fn scattered_light_leaves_less_far_along_an_absorbing_yarn() {
+fn absorption_shortens_the_distance_along_the_yarn() {
     let distances_mm = [0.0, 0.1, 0.3, f64::INFINITY];
     let beyond = |kappa| scattered_beyond(&yarn(&[500.0, 650.0], kappa, Estimator::Shared), distances_mm, 5).unwrap();
     let (white, dyed) = (beyond(0.0), beyond(0.002));

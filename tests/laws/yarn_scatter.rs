@@ -1,4 +1,4 @@
-//! What a yarn makes of light that meets it at one place of its section, by its tables, against paths traced from there.
+//! Scattering of light that meets a yarn at one azimuth of its section: sampler tables against paths traced from there.
 
 use rand::RngExt;
 use specval::geometry::Vec3;
@@ -50,11 +50,12 @@ fn turned(v: &Vec3, phi: f64) -> Vec3 {
     Vec3::new(v.x * cos + v.z * sin, v.y, v.z * cos - v.x * sin)
 }
 
-/// What leaves: [cell of azimuth × (all, times the direction's part around the section, times its part along the axis) × wavelength].
+/// What leaves: [cell of azimuth × (all, times the direction's part around the section, times its part along the axis)
+/// × wavelength].
 type Sums = Vec<f64>;
 
-/// One batch of light from azimuth 0 that comes in between two azimuths on a cell of tilts: what leaves of all of it, and the part
-/// that is neither reflected nor ballistic.
+/// One batch of light from azimuth 0 that comes in between two azimuths on a cell of tilts: what leaves of all of it,
+/// and the part that is neither reflected nor ballistic.
 fn traced(yarn: &Yarn, tilt: usize, [from, to]: [f64; 2], axis: f64, batch: usize) -> (Sums, Vec<f64>) {
     let coefficients: Vec<Coefficients> = (0..2)
         .map(|w| Coefficients {
@@ -106,8 +107,8 @@ fn add(sums: &mut [f64], normal: &Vec3, direction: &Vec3, weights: impl Iterator
     }
 }
 
-/// The same of what is kept, drawn from the tables, of light at places of the section and tilts that `place` draws; `kept` says
-/// how much of it.
+/// The same of what is kept, drawn from the tables, of light at places of the section and tilts that `place` draws;
+/// `kept` says how much of it.
 fn drawn(
     scatter: &YarnSampler,
     batch: usize,
@@ -115,13 +116,13 @@ fn drawn(
     kept: impl Fn(usize, [f64; 2]) -> f64,
 ) -> Sums {
     let mut rng = Stream::open(8, Purpose::Validation, 0, batch, 1);
-    let mut even = || rng.random::<f64>();
+    let mut uniform = || rng.random::<f64>();
     let mut sums = vec![0.0; AROUND * 6];
     for _ in 0..PATHS {
-        let [sine, phi] = place(&mut even);
+        let [sine, phi] = place(&mut uniform);
         let omega_in = turned(&Vec3::new(0.0, sine, (1.0 - sine * sine).sqrt()), -phi);
         let meeting = scatter.meet(&omega_in);
-        let leaving = scatter.sample(&meeting, [even(), even(), even()]).unwrap();
+        let leaving = scatter.sample(&meeting, [uniform(), uniform(), uniform()]).unwrap();
         let [normal, direction] = [&leaving.normal, &leaving.direction].map(|v| turned(v, phi));
         let worths = scatter.worth(&leaving).enumerate();
         let weights = worths.map(|(w, worth)| worth * kept(w, [sine, phi]) / PATHS as f64);
@@ -147,10 +148,11 @@ fn scatter(yarn: &Yarn, batch: usize) -> YarnSampler {
     batch.response.sampler(yarn).unwrap()
 }
 
-/// From the first, middle and last entry cell, on either side of the light and with light from either end of the yarn, as much leaves at each azimuth
-/// as of paths traced from there. False alarms: 3 × 3 × 4 × 12 × 2 values, 1.4e-2 together.
+/// From the first, middle and last entry cell, on either side of the light and with light from either end of the yarn,
+/// as much leaves at each azimuth as of paths traced from there. False alarms: 3 × 3 × 4 × 12 × 2 values, 1.4e-2
+/// together.
 #[test]
-fn light_leaves_where_it_does_when_traced_from_its_entry() {
+fn sampled_exit_azimuths_agree_with_traced_paths() {
     let yarn = yarn();
     let tables: Vec<YarnSampler> = (0..BATCHES).map(|batch| scatter(&yarn, batch)).collect();
     let grid = grid();
@@ -174,15 +176,15 @@ fn light_leaves_where_it_does_when_traced_from_its_entry() {
     }
 }
 
-/// Over the whole width light leaves in the directions in which it does when traced, at each azimuth, as their mean parts around
-/// and along the section tell: those of f*. False alarms: 3 × 36 × 2 values, 3.4e-3 together.
+/// For light over the whole width, sampled exit directions agree with traced ones at each azimuth, in the means of
+/// their components around the section and along the axis. False-alarm rate 3.4e-3 for 3 × 36 × 2 values.
 #[test]
-fn over_the_width_directions_are_those_of_the_yarn_response() {
+fn sampled_directions_over_the_width_follow_f_star() {
     let yarn = yarn();
     let grid = grid();
     for tilt in 0..grid.tilts() {
         let [low, high] = grid.tilt_edges(tilt).map(f64::sin);
-        let place = |even: &mut dyn FnMut() -> f64| [low + (high - low) * even(), (2.0 * even() - 1.0).asin()];
+        let place = |uniform: &mut dyn FnMut() -> f64| [low + (high - low) * uniform(), (2.0 * uniform() - 1.0).asin()];
         let kept = |w: usize, [sine, phi]: [f64; 2]| {
             let entry = fresnel::interface(phi.cos() * (1.0 - sine * sine).sqrt(), INDEX);
             kept_by_straight_yarn(&yarn, w, &entry, sine / INDEX)
@@ -198,7 +200,7 @@ fn over_the_width_directions_are_those_of_the_yarn_response() {
     }
 }
 
-/// The radiance of all directions from all of the section is what the yarn does not absorb, to rounding.
+/// The radiance integrated over all directions and the whole section is the albedo, to rounding.
 #[test]
 fn radiance_integrates_to_the_albedo() {
     let yarn = yarn();
@@ -228,10 +230,10 @@ fn radiance_integrates_to_the_albedo() {
     }
 }
 
-/// A draw is worth the radiance there over the density of the draw, which is nowhere negative and whose sum over all places and
-/// directions is 1.
+/// The weight of a draw is the radiance there divided by the density of the draw, which is nowhere negative and
+/// integrates to 1 over the section and all directions.
 #[test]
-fn a_draw_is_worth_the_radiance_over_its_density() {
+fn sample_weight_is_radiance_over_density() {
     let yarn = yarn();
     let sampler = scatter(&yarn, 0);
     let mut rng = Stream::open(9, Purpose::Validation, 0, 0, 1);

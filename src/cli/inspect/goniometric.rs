@@ -4,7 +4,7 @@ use super::series::Series;
 use serde::Serialize;
 use specval::formats::registry;
 use specval::formats::{
-    Axis, Channels, Component, Directions, Fold, Goniometric, Hemispherical, KlemsBasis, Parameters, Provenance,
+    Axis, ChannelSet, Component, Directions, FileProvenance, Fold, Goniometric, Hemispherical, KlemsBasis, Parameters,
     Quantity, Scatter, Scattered, Side, Table,
 };
 use specval::number::significant;
@@ -14,7 +14,7 @@ use std::path::Path;
 #[derive(Serialize)]
 struct Inspection {
     format: &'static str,
-    provenance: Provenance,
+    provenance: FileProvenance,
     /// How the format's own words for the sides are meant.
     convention: Option<&'static str>,
     components: Vec<Part>,
@@ -182,7 +182,7 @@ fn part(component: &Component) -> Part {
         quantity: component.quantity,
         channels: component.channels.names(),
         wavelength_nm: match &component.channels {
-            Channels::Wavelengths(grid) => Some(grid.nm().to_vec()),
+            ChannelSet::Wavelengths(grid) => Some(grid.nm().to_vec()),
             _ => None,
         },
         parameters,

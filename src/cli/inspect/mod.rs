@@ -32,12 +32,12 @@ pub struct Reading {
 /// Which components of a file are meant.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct Chosen {
-    /// Reflection or transmission alone. Where a format holds one of them and nothing is said, reflection is taken if there is
-    /// any.
+    /// Reflection or transmission alone. Where a format holds one of them and nothing is said, reflection is taken if
+    /// there is any.
     #[arg(long, value_name = "KIND", value_parser = scatter_of)]
     pub scatter: Option<Scatter>,
-    /// Light from the front or from the back alone: the front is the side of the normal, +z. Where a format does not state the
-    /// side and nothing is said, the front is taken.
+    /// Light from the front or from the back alone: the front is the side of the normal, +z. Where a format does not
+    /// state the side and nothing is said, the front is taken.
     #[arg(long, value_name = "SIDE", value_parser = side_of)]
     pub side: Option<Side>,
 }
@@ -124,8 +124,8 @@ impl Reading {
 }
 
 /// What the file is, its angles, wavelengths, counts, units, symmetry and provenance, the directional-hemispherical
-/// reflectance of each incidence, and warnings: of goniometric files of any format, samples (CSV files, folders and built-in
-/// names), weave drafts and tables of spectra. Of other files it says which command shows them.
+/// reflectance of each incidence, and warnings: of goniometric files of any format, samples (CSV files, folders and
+/// built-in names), weave drafts and tables of spectra. Of other files it says which command shows them.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// File or sample.

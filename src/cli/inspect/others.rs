@@ -11,7 +11,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 #[derive(Serialize)]
-struct Draft {
+struct DraftInspection {
     format: &'static str,
     title: Option<String>,
     warps: usize,
@@ -29,7 +29,7 @@ pub fn draft(path: &Path, terminal: &Terminal) -> Result<(), Failure> {
     let draft = WeaveDraft::read(path)?;
     let coloured = |threads: &[Thread]| threads.iter().filter(|thread| thread.rgb.is_some()).count();
     let spacing = |threads: &[Thread]| Series::new(threads.iter().filter_map(|thread| thread.spacing_mm).collect());
-    let found = Draft {
+    let found = DraftInspection {
         format: "wif",
         warps: draft.warps.len(),
         wefts: draft.wefts.len(),

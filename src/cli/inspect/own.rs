@@ -4,7 +4,7 @@ use super::super::{Failure, Terminal};
 use super::series::Series;
 use serde::Serialize;
 use serde_json::Value;
-use specval::artefact::{ArrayInfo, Kind, Reader};
+use specval::artefact::{ArrayInfo, ArtefactKind, Reader};
 use specval::study::Study;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -72,14 +72,14 @@ struct Stored {
 }
 
 /// A file of arrays, whose checksum is tested.
-pub fn artefact(path: &Path, kind: Kind, terminal: &Terminal) -> Result<(), Failure> {
+pub fn artefact(path: &Path, kind: ArtefactKind, terminal: &Terminal) -> Result<(), Failure> {
     let reader = Reader::open(path, kind)?;
     let identity = reader.identity().value().clone();
     let stored = Stored {
         format: match kind {
-            Kind::Artefact => "trace",
-            Kind::Shard => "shard",
-            Kind::State => "state",
+            ArtefactKind::Artefact => "trace",
+            ArtefactKind::Shard => "shard",
+            ArtefactKind::State => "state",
         },
         version: reader.version().to_owned(),
         sha256: reader.sha256(),
@@ -89,9 +89,9 @@ pub fn artefact(path: &Path, kind: Kind, terminal: &Terminal) -> Result<(), Fail
     };
     terminal.result(&stored, |of| {
         let what = match kind {
-            Kind::Artefact => "trace, whose absorption `specval reabsorb` changes",
-            Kind::Shard => "shard of a trace, added to the others by `specval merge`",
-            Kind::State => "state of an unfinished run, gone on from with --resume of the command that left it",
+            ArtefactKind::Artefact => "trace, whose absorption `specval reabsorb` changes",
+            ArtefactKind::Shard => "shard of a trace, added to the others by `specval merge`",
+            ArtefactKind::State => "state of an unfinished run, gone on from with --resume of the command that left it",
         };
         let mut text = format!(
             "format       {what}\nversion      {}\nchecksum     {}, as it should be\nseed         {}\n",

@@ -12,14 +12,14 @@ pub struct PeirceSegment {
 }
 
 impl PeirceSegment {
-    /// Solution of Peirce's two equations, or `None` where the yarns jam: no straight is left between the arcs, which
-    /// happens below p² = h (2D − h), for equal yarns that share the crimp below p = √3 diameters.
+    /// Solution of Peirce's two equations, or `None` where the yarns jam: no straight remains between the arcs. Jamming
+    /// begins below p² = h (2D − h); for equal yarns that share the crimp, below p = √3 diameters.
     pub fn solve(spacing_mm: f64, crimp_height_mm: f64, diameter_sum_mm: f64) -> Option<Self> {
         let (p, h, d) = (spacing_mm, crimp_height_mm, diameter_sum_mm);
-        // The equations say that (p, D − h) is (l − Dθ, D) turned by −θ: the lengths give the straight, the
-        // polar angles give θ.
+        // By the equations, (p, D − h) is (l − Dθ, D) rotated by −θ: the lengths give the straight, the polar angles
+        // give θ.
         let straight_squared = p * p - Self::jam_spacing_mm(h, d).powi(2);
-        // The jam itself is a legal cloth; rounding must not refuse it.
+        // A cloth exactly at the jam is valid; rounding must not reject it.
         if straight_squared < -1e-14 * d * d {
             return None;
         }
@@ -31,24 +31,24 @@ impl PeirceSegment {
         })
     }
 
-    /// Smallest spacing √(h (2D − h)).
+    /// Smallest spacing √(h (2D − h)), mm.
     pub fn jam_spacing_mm(crimp_height_mm: f64, diameter_sum_mm: f64) -> f64 {
         (crimp_height_mm * (2.0 * diameter_sum_mm - crimp_height_mm)).sqrt()
     }
 }
 
-/// Where a yarn passes over or under another.
+/// Crossing of a yarn over or under another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Crossing {
     pub at_mm: f64,
     pub on_top: bool,
-    /// Distance of the centre line from the cloth's middle plane.
+    /// Distance of the centre line from the cloth's middle plane, mm.
     pub crest_mm: f64,
-    /// Of Peirce's arc around the other yarn.
+    /// Radius of Peirce's arc around the other yarn, mm.
     pub arc_radius_mm: f64,
 }
 
-/// How a centre line runs from one crossing to the next.
+/// Shape of a centre line from one crossing to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Span {
     Flat,
@@ -56,12 +56,11 @@ enum Span {
     Cosine,
 }
 
-/// Periodic centre line of one yarn: its height over the cloth's middle plane as a function of the place along the
-/// yarn.
+/// Periodic centre line of one yarn: height over the cloth's middle plane as a function of the position along the yarn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CentreLine {
     repeat_mm: f64,
-    /// Of the crossings, where all are equal: crossing `k` then stands at (k + ½) times the spacing.
+    /// Spacing of the crossings if it is uniform: crossing `k` is then at (k + ½) times the spacing.
     spacing_mm: Option<f64>,
     crossings: Vec<Crossing>,
     /// `spans[k]` begins at crossing `k`.
@@ -69,8 +68,9 @@ pub struct CentreLine {
 }
 
 impl CentreLine {
-    /// `on_top`: the side at each crossing of the repeat; `spacing_mm`: distance of the yarns crossed;
-    /// `radius_sum_mm`: this yarn's radius plus theirs, all finite and positive. `system` is what an error calls it.
+    /// `on_top`: whether the yarn is on top at each crossing of the repeat; `spacing_mm`: distance of the yarns
+    /// crossed; `radius_sum_mm`: this yarn's radius plus theirs. Lengths must be finite and positive. `system` names
+    /// the yarn in errors.
     pub fn new(
         kind: CentreLineKind,
         system: System,
@@ -83,7 +83,7 @@ impl CentreLine {
             at_mm: (k as f64 + 0.5) * spacing_mm,
             on_top,
             crest_mm: match kind {
-                // h1 + h2 = d1 + d2, each system taking half.
+                // h1 + h2 = d1 + d2, shared equally by the two systems.
                 CentreLineKind::Peirce => 0.5 * radius_sum_mm,
                 CentreLineKind::Sinusoid { amplitude_mm } => amplitude_mm,
             },
@@ -93,8 +93,8 @@ impl CentreLine {
         Self::through(kind, system, crossings, repeat_mm, Some(spacing_mm))
     }
 
-    /// The centre line through crossings in ascending order within one repeat. `spacing_mm`: their distance, if all are
-    /// equal.
+    /// Centre line through crossings in ascending order within one repeat. `spacing_mm`: their spacing if it is
+    /// uniform.
     pub(super) fn through(
         kind: CentreLineKind,
         system: System,
@@ -141,7 +141,7 @@ impl CentreLine {
         [self.crossings[k], self.crossings[(k + 1) % self.crossings.len()]]
     }
 
-    /// Length of a span in the cloth's plane.
+    /// Length of a span in the cloth's plane, mm.
     fn width_mm(&self, k: usize) -> f64 {
         self.spacing_mm.unwrap_or_else(|| {
             let wraps = k + 1 == self.crossings.len();
@@ -150,7 +150,7 @@ impl CentreLine {
         })
     }
 
-    /// The span at a place along the yarn, its width, and the fraction of it that lies before the place.
+    /// The span at a position along the yarn, its width, and the fraction of the width before the position.
     fn locate(&self, along_mm: f64) -> (usize, f64, f64) {
         let n = self.crossings.len();
         if let Some(spacing_mm) = self.spacing_mm {
@@ -184,7 +184,7 @@ impl CentreLine {
                 }
             }
             Span::Cosine => {
-                // The side is that of the first crossing; a float between unequal yarns stays on it.
+                // The side is that of the first crossing; a float over unequal yarns stays on that side.
                 let end_mm = if from.on_top == to.on_top {
                     to.crest_mm
                 } else {
@@ -205,22 +205,22 @@ impl CentreLine {
         (sign * height, sign * slope)
     }
 
-    /// Highest distance of the centre line from the cloth's middle plane.
+    /// Largest distance of the centre line from the cloth's middle plane, mm.
     pub fn crest_mm(&self) -> f64 {
         self.crossings.iter().fold(0.0, |crest, c| crest.max(c.crest_mm))
     }
 
-    /// Crossings in one repeat.
+    /// Number of crossings in one repeat.
     pub fn crossings(&self) -> usize {
         self.crossings.len()
     }
 
-    /// Length of one repeat in the cloth's plane.
+    /// Length of one repeat in the cloth's plane, mm.
     pub fn repeat_mm(&self) -> f64 {
         self.repeat_mm
     }
 
-    /// Length of yarn in one repeat. Its excess over [`Self::repeat_mm`] is the crimp.
+    /// Length of yarn in one repeat, mm. Its excess over [`Self::repeat_mm`] is the crimp.
     pub fn length_mm(&self) -> f64 {
         (0..self.spans.len())
             .map(|k| {
@@ -228,13 +228,13 @@ impl CentreLine {
                 let [from, to] = self.ends(k);
                 match self.spans[k] {
                     Span::Flat => width_mm,
-                    // Arc, straight, arc, as long as with equal arcs of the same sum.
+                    // Arc, straight, arc: the same length as with equal arcs of the same sum.
                     Span::Peirce(segment) => segment.length_mm,
                     Span::Cosine => {
                         // The trapezoidal rule over a period converges exponentially for a smooth integrand.
                         const NODES: usize = 1024;
-                        let turn = if from.on_top == to.on_top { -1.0 } else { 1.0 };
-                        let slope = 0.5 * (from.crest_mm + turn * to.crest_mm) * PI / width_mm;
+                        let sign = if from.on_top == to.on_top { -1.0 } else { 1.0 };
+                        let slope = 0.5 * (from.crest_mm + sign * to.crest_mm) * PI / width_mm;
                         let sum: f64 = (0..NODES)
                             .map(|k| 1f64.hypot(slope * (PI * k as f64 / NODES as f64).sin()))
                             .sum();
@@ -245,7 +245,8 @@ impl CentreLine {
             .sum()
     }
 
-    /// The pieces between crossings over one repeat, and where each begins; one more beginning closes the repeat.
+    /// The pieces between crossings over one repeat, and the position where each begins; a last position closes the
+    /// repeat.
     pub(super) fn pieces(&self) -> (Vec<f64>, Vec<Piece>) {
         let first = self.crossings[0].at_mm;
         let knots = self.crossings.iter().map(|c| c.at_mm).chain([first + self.repeat_mm]);
@@ -282,7 +283,7 @@ impl CentreLine {
         }
     }
 
-    /// Smallest radius of curvature.
+    /// Smallest radius of curvature, mm.
     pub fn curvature_radius_mm(&self) -> f64 {
         let radii = (0..self.spans.len()).map(|k| self.piece(k).reach());
         radii.fold(f64::INFINITY, f64::min)

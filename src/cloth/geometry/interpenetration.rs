@@ -1,18 +1,18 @@
-use super::layout::{Layout, Yarn};
+use super::layout::{Layout, WovenYarn};
 use super::tube::{Local, Tube};
 use crate::cloth::{CentreLineKind, ClothError, ClothSpec, System};
 use crate::fault::{self, Fault};
 use std::f64::consts::PI;
 
-/// Yarns of Peirce's cloth touch all along their arcs, so distances below the sum of the half axes by this fraction are
-/// contact, not overlap.
+/// Yarns of Peirce's cloth touch all along their arcs. Distances below the sum of the half axes by up to this fraction
+/// count as contact, not overlap.
 const CONTACT_TOLERANCE: f64 = 1e-6;
 
-/// Nodes of the first search along each yarn, per crossing.
+/// Nodes of the initial search along each yarn, per crossing.
 const SEARCH_NODES: usize = 48;
 
 impl ClothSpec {
-    /// Whether this cloth can be woven.
+    /// Checks that the yarns of this cloth do not overlap and are in range.
     ///
     /// # Errors
     /// As [`Cloth::new`](crate::cloth::Cloth::new).
@@ -20,8 +20,8 @@ impl ClothSpec {
         Layout::new(self).map(drop)
     }
 
-    /// With sinusoids of the smallest amplitude, in steps of 2 % of that at which yarns touch where they cross, at which yarns do
-    /// not overlap; or of that one, if there is none up to twice it.
+    /// The cloth with sinusoidal centre lines of the smallest amplitude without overlap, searched in steps of 2 % of
+    /// the amplitude at which yarns touch at crossings, up to twice that; at that amplitude itself if none is found.
     pub fn with_least_amplitude(self) -> Self {
         const STEPS: u32 = 50;
         let touching_mm = [System::Warp, System::Weft]
@@ -41,10 +41,10 @@ impl ClothSpec {
 
 impl Layout {
     /// # Errors
-    /// A cloth whose tubes overlap, with the yarns' names and the depth of the overlap, and one out of range.
+    /// [`ClothError`] if tubes overlap (with the yarns' names and the depth of the overlap) or a value is out of range.
     pub(super) fn new(spec: &ClothSpec) -> Result<Self, ClothError> {
         let layout = Self::unchecked(spec)?;
-        // Yarns of the faulty crimp overlap.
+        // With the injected fault, yarns overlap, so the check is skipped.
         if !fault::active(Fault::CrimpLow) {
             check(spec, &layout)?;
         }
@@ -62,8 +62,8 @@ fn check(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> {
     check_crossings(spec, layout)
 }
 
-/// A tube whose centre line bends tighter than the tube is high folds into itself.
-fn check_curvature(system: System, yarns: &[Yarn]) -> Result<(), ClothError> {
+/// A tube folds into itself if the radius of curvature of its centre line is below its half height.
+fn check_curvature(system: System, yarns: &[WovenYarn]) -> Result<(), ClothError> {
     for (index, yarn) in yarns.iter().enumerate() {
         let curvature_mm = yarn.line.curvature_radius_mm();
         if curvature_mm < yarn.half_height_mm * (1.0 - CONTACT_TOLERANCE) {
@@ -79,9 +79,9 @@ fn check_curvature(system: System, yarns: &[Yarn]) -> Result<(), ClothError> {
 }
 
 /// Neighbours of one system run in parallel planes and must not overlap in plan. Without variation both have the same
-/// highest and lowest height and, in a draft where every yarn interlaces, reach both, so somewhere along the repeat
-/// their heights agree: their smallest distance is that of the planes. Varied ones may pass at unequal heights where
-/// they would just clear each other, which counts as overlap.
+/// highest and lowest height and reach both in a draft where every yarn interlaces. Their heights are therefore equal
+/// somewhere along the repeat, and their smallest distance is that of the planes. With variation, yarns that only clear
+/// each other by passing at unequal heights count as overlapping.
 fn check_neighbours(spec: &ClothSpec, system: System, layout: &Layout) -> Result<(), ClothError> {
     let yarns = layout.yarns(system);
     let repeat_mm = match system {
@@ -122,7 +122,7 @@ fn check_neighbours(spec: &ClothSpec, system: System, layout: &Layout) -> Result
 
 fn check_crossings(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> {
     let draft = spec.weave.draft();
-    // Without variation every repeat of the draft is the first again.
+    // Without variation every repeat of the draft equals the first.
     let different = |system| {
         if spec.is_varied() {
             usize::MAX
@@ -130,7 +130,7 @@ fn check_crossings(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> 
             draft.yarns(system)
         }
     };
-    let wefts: Vec<(&Yarn, Tube)> = layout.wefts.iter().map(|weft| (weft, Tube::new(weft))).collect();
+    let wefts: Vec<(&WovenYarn, Tube)> = layout.wefts.iter().map(|weft| (weft, Tube::new(weft))).collect();
     for (j, warp) in layout.warps.iter().enumerate().take(different(System::Warp)) {
         for (i, (weft, tube)) in wefts.iter().enumerate().take(different(System::Weft)) {
             let contact_mm = warp.half_height_mm + weft.half_height_mm;
@@ -157,7 +157,7 @@ fn check_crossings(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> 
 }
 
 /// Smallest distance of two centre lines near their crossing.
-fn distance_of_lines(warp: &Yarn, weft: &Yarn, reach_mm: f64) -> f64 {
+fn distance_of_lines(warp: &WovenYarn, weft: &WovenYarn, reach_mm: f64) -> f64 {
     let (x_mm, y_mm) = (weft.place_mm, warp.place_mm);
     // At (dx, dy) from the crossing: a point of the warp, (x + dx, y), and one of the weft, (x, y + dy).
     let distance = |dx: f64, dy: f64| {
@@ -167,8 +167,8 @@ fn distance_of_lines(warp: &Yarn, weft: &Yarn, reach_mm: f64) -> f64 {
     minimum(distance, reach_mm)
 }
 
-/// How deep the surface of a warp reaches into a weft near their crossing.
-fn depth_mm(warp: &Yarn, weft: &Yarn, tube: &Tube) -> f64 {
+/// Depth of a warp's surface inside a weft near their crossing, mm.
+fn depth_mm(warp: &WovenYarn, weft: &WovenYarn, tube: &Tube) -> f64 {
     let reach_mm = weft.half_width_mm + warp.half_height_mm;
     let distance = |along: f64, around: f64| {
         let x_mm = weft.place_mm + along * reach_mm;
@@ -184,8 +184,8 @@ fn depth_mm(warp: &Yarn, weft: &Yarn, tube: &Tube) -> f64 {
     -minimum(distance, 1.0)
 }
 
-/// Minimum of a function over the square of half width `reach` around the origin: a grid, then ever smaller grids
-/// around the best point.
+/// Minimum of a function over the square of half width `reach` around the origin, by a grid search refined around the
+/// best point.
 fn minimum(f: impl Fn(f64, f64) -> f64, reach: f64) -> f64 {
     let (mut best, mut at) = (f(0.0, 0.0), (0.0, 0.0));
     let mut search = |centre: (f64, f64), half_width: f64, nodes: usize| {
@@ -203,7 +203,7 @@ fn minimum(f: impl Fn(f64, f64) -> f64, reach: f64) -> f64 {
     };
     let mut centre = search((0.0, 0.0), reach, SEARCH_NODES);
     let mut half_width = 2.0 * reach / SEARCH_NODES as f64;
-    // The error of a minimum is quadratic in the place, so 1e-5 of the reach is far below the tolerance.
+    // The error of a minimum is quadratic in the position, so 1e-5 of the reach is far below the tolerance.
     while half_width > 1e-5 * reach {
         centre = search(centre, half_width, 6);
         half_width *= 0.5;

@@ -5,32 +5,32 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
 use std::f64::consts::TAU;
 
-/// Where normal deviates are cut off, in standard deviations.
+/// Cut-off of normal deviates, in standard deviations.
 const CUT: f64 = 2.0;
 
-/// Two yarns take some 500 bytes at each.
+/// Largest number of crossings; each takes about 500 bytes.
 const MAX_CROSSINGS: usize = 1 << 16;
 
 /// One yarn of the cell.
 #[derive(Clone, Debug)]
-pub(super) struct Yarn {
-    /// Where it stands across its direction.
+pub(super) struct WovenYarn {
+    /// Position across the yarn's direction, mm.
     pub place_mm: f64,
     pub half_width_mm: f64,
     pub half_height_mm: f64,
     pub line: CentreLine,
 }
 
-/// The yarns of one cell: the draft, repeated, with each yarn's own section and place. They do not overlap.
+/// The yarns of one cell: the repeated draft, with the section and position of each yarn. They do not overlap.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
-    pub warps: Vec<Yarn>,
-    pub wefts: Vec<Yarn>,
-    /// Size of the cell along x and y.
+    pub warps: Vec<WovenYarn>,
+    pub wefts: Vec<WovenYarn>,
+    /// Size of the cell along x and y, mm.
     pub cell_mm: [f64; 2],
 }
 
-/// A yarn before it is woven.
+/// Section and position of a yarn, before its centre line is known.
 struct Strand {
     place_mm: f64,
     half_width_mm: f64,
@@ -38,7 +38,7 @@ struct Strand {
 }
 
 impl Layout {
-    /// Yarns that may overlap, which [`Layout::new`] refuses.
+    /// Layout without the check for overlap of [`Layout::new`].
     pub fn unchecked(spec: &ClothSpec) -> Result<Self, ClothError> {
         spec.check_ranges()?;
         let draft = spec.weave.draft();
@@ -74,9 +74,9 @@ impl Layout {
                         })
                         .collect();
                     let spacing_mm = spec.spacing_mm(system.other());
-                    // Equal spacings are told apart so that places are multiples of one number, without rounding.
+                    // Uniform spacing is passed on so that positions are exact multiples of it.
                     let spacing_mm = (spec.spacing_variation == 0.0).then_some(spacing_mm);
-                    Ok(Yarn {
+                    Ok(WovenYarn {
                         place_mm: strand.place_mm,
                         half_width_mm: strand.half_width_mm,
                         half_height_mm: strand.half_height_mm,
@@ -92,22 +92,22 @@ impl Layout {
         })
     }
 
-    pub fn yarns(&self, system: System) -> &[Yarn] {
+    pub fn yarns(&self, system: System) -> &[WovenYarn] {
         match system {
             System::Warp => &self.warps,
             System::Weft => &self.wefts,
         }
     }
 
-    /// Height of the highest points of the yarns.
+    /// Height of the highest points of the yarns, mm.
     pub fn top_mm(&self) -> f64 {
         let all = self.warps.iter().chain(&self.wefts);
         all.fold(0.0, |top, yarn| top.max(yarn.line.crest_mm() + yarn.half_height_mm))
     }
 }
 
-/// Height of a yarn's centre line at a crossing: in Peirce's geometry each yarn takes half of the two half-heights that
-/// lie upon each other; an amplitude is that of mean yarns and grows with the half-heights.
+/// Height of a yarn's centre line at a crossing. In Peirce's geometry it is half the sum of the two half heights. The
+/// amplitude of a sinusoid holds for mean yarns and scales with the half heights.
 fn crest_mm(spec: &ClothSpec, own: &Strand, other: &Strand) -> f64 {
     let heights_mm = own.half_height_mm + other.half_height_mm;
     let crest_mm = match spec.centre_line {
@@ -122,9 +122,10 @@ fn crest_mm(spec: &ClothSpec, own: &Strand, other: &Strand) -> f64 {
     crimp * crest_mm
 }
 
-/// Radius of the arc with which a yarn of half-height b wraps around another of half-axes a', b': the near side of its
-/// surface then bends with radius r − b, at least that of the other's section at its top, a'²/b', whose circle there
-/// holds the whole ellipse if a' >= b'; a narrower one lies in the circle of radius b'. For circles it is b + b'.
+/// Radius r of the arc with which a yarn of half height b wraps around another of half axes a', b'. The near side of
+/// its surface has radius of curvature r − b. That must be at least a'²/b', the radius of curvature of the other
+/// section at its top, whose osculating circle contains the whole ellipse if a' >= b'; a narrower ellipse lies in the
+/// circle of radius b'. For circles r = b + b'.
 fn arc_radius_mm(own: &Strand, other: &Strand) -> f64 {
     let ratio = other.half_width_mm / other.half_height_mm;
     own.half_height_mm + other.half_height_mm * (ratio * ratio).max(1.0)
@@ -157,8 +158,8 @@ enum Quantity {
     Spacing,
 }
 
-/// Normal deviates cut off at [`CUT`], shifted to the mean 0, one a yarn. Each depends on the seed, the system, the
-/// quantity and the yarn's number alone, so more repeats change the shift only.
+/// Normal deviates truncated at [`CUT`] and shifted to mean 0, one for each yarn. Each depends only on seed, system,
+/// quantity and index of the yarn, so more repeats change the shift only.
 fn deviates(seed: u64, system: System, quantity: Quantity, n: usize) -> Vec<f64> {
     let key = 2 * (system as u64) + quantity as u64;
     let raw: Vec<f64> = (0..n as u64)

@@ -1,4 +1,4 @@
-//! The shape of a cloth: centre lines of its yarns, their smooth surfaces, and rays that meet them.
+//! Geometry of a cloth: centre lines of the yarns, their smooth surfaces, and intersection with rays.
 
 mod centre_line;
 mod interpenetration;

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
-/// Centre line of a yarn from one crossing to the next, where it is level at both ends. Coordinates are `d`, the
-/// distance from the first crossing in the cloth's plane, and the height `z`, both in mm.
+/// Centre line of a yarn from one crossing to the next, level at both ends. Coordinates are `d`, the distance from the
+/// first crossing in the cloth's plane, and the height `z`, both in mm.
 ///
 /// All three shapes are monotone in between, so no chord is normal to them at both ends: their reach (the distance up
 /// to which nearest points are unique) is the smallest radius of curvature.
@@ -39,7 +39,7 @@ pub(super) struct Offset {
 }
 
 impl Piece {
-    /// Distance of a point over the piece, 0 <= d <= width up to rounding, from it.
+    /// Signed distance from the piece to a point above or below it, 0 <= d <= width up to rounding.
     #[inline]
     pub fn offset(&self, d: f64, z: f64) -> Offset {
         match *self {
@@ -84,7 +84,7 @@ impl Piece {
         }
     }
 
-    /// Lowest and highest point.
+    /// Heights of the lowest and highest point, mm.
     pub fn heights(&self) -> [f64; 2] {
         let ends = match *self {
             Self::Flat { height } => [height, height],
@@ -96,7 +96,7 @@ impl Piece {
         [ends[0].min(ends[1]), ends[0].max(ends[1])]
     }
 
-    /// Smallest radius of curvature, infinite for a straight.
+    /// Smallest radius of curvature, mm; infinite for a straight.
     pub fn reach(&self) -> f64 {
         match *self {
             Self::Flat { .. } => f64::INFINITY,
@@ -106,7 +106,7 @@ impl Piece {
     }
 }
 
-/// Half a cosine around height 0.
+/// Half a period of a cosine around height 0.
 #[derive(Clone, Copy)]
 struct Wave {
     amplitude: f64,
@@ -114,13 +114,13 @@ struct Wave {
 }
 
 impl Wave {
-    /// Distance of a point from the wave, whose point straight above or below it is `below`; `foot` is a guess of the
-    /// nearest point, and then that point. Newton's method ends after a step of less than `last` in phase: its
-    /// convergence is quadratic, so the error left in the phase is the square of that.
+    /// Signed distance of a point from the wave. `below` is the point of the wave at the same d; `foot` is an initial
+    /// guess of the nearest point and on return that point. Newton's method stops after a phase step below `last`; by
+    /// quadratic convergence the remaining error of the phase is about the square of that.
     fn offset(self, d: f64, z: f64, below: WaveFoot, foot: &mut WaveFoot, last: f64) -> Offset {
         let Self { amplitude, k } = self;
         let near = self.settled(d, z, foot, last);
-        // A foot farther than the point straight above or below is that of another branch, past the evolute.
+        // A foot farther away than `below` belongs to another branch, beyond the evolute.
         if near.v.abs() <= (z - amplitude * below.cos).abs() * (1.0 + 1e-12)
             && near.v.abs() * amplitude.abs() * k * k < 1.0
         {
@@ -139,7 +139,7 @@ impl Wave {
         })
     }
 
-    /// The foot of a perpendicular near `foot`.
+    /// Foot of the perpendicular near `foot`.
     fn settled(self, d: f64, z: f64, foot: &mut WaveFoot, last: f64) -> Offset {
         let mut bracket = [d.min(0.0), d.max(PI / self.k)];
         for _ in 0..64 {
@@ -150,8 +150,8 @@ impl Wave {
         self.offset_at(d, z, foot)
     }
 
-    /// One step of Newton's method on (s − d) + y'(y − z) = 0 for the foot s, kept in a bracket, since the line is level
-    /// at both ends of the piece. Returns by how much the phase k s moved.
+    /// One Newton step on (s − d) + y'(y − z) = 0 for the foot s, bracketed by the ends of the piece, where the line is
+    /// level. Returns the change of the phase k s.
     #[inline]
     fn approach(self, d: f64, z: f64, foot: &mut WaveFoot, bracket: &mut [f64; 2]) -> f64 {
         let Self { amplitude, k } = self;
@@ -163,13 +163,13 @@ impl Wave {
             bracket[1] = bracket[1].min(foot.s)
         }
         let tangent = 1.0 + slope * slope;
-        // Far on the hollow side the line bends faster than the point sees it.
+        // Far on the concave side the exact derivative can become small or negative.
         let rate = (tangent - k * k * y * (y - z)).max(0.25 * tangent);
         let mut step = -value / rate;
         if !(bracket[0]..=bracket[1]).contains(&(foot.s + step)) {
             step = 0.5 * (bracket[0] + bracket[1]) - foot.s;
         }
-        foot.turn(k, step);
+        foot.advance(k, step);
         (k * step).abs()
     }
 
@@ -185,7 +185,7 @@ impl Wave {
     }
 }
 
-/// A place along a wave, with the sine and cosine of its phase.
+/// A position along a wave, with the sine and cosine of its phase.
 #[derive(Clone, Copy, Debug)]
 struct WaveFoot {
     s: f64,
@@ -200,16 +200,17 @@ impl WaveFoot {
         Self { s, sin, cos }
     }
 
-    /// Moves on; by a small phase with series whose remainder is below 1e-16.
+    /// Advances by a step; small phase steps use series with a remainder below 1e-16.
     #[inline]
-    fn turn(&mut self, k: f64, step: f64) {
-        let turn = k * step;
-        if turn.abs() > 0.25 {
+    fn advance(&mut self, k: f64, step: f64) {
+        let phase_step = k * step;
+        if phase_step.abs() > 0.25 {
             *self = Self::at(k, self.s + step);
             return;
         }
-        let q = turn * turn;
-        let sine = turn * (1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0 * (1.0 - q / 110.0)))));
+        let q = phase_step * phase_step;
+        let sine =
+            phase_step * (1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0 * (1.0 - q / 110.0)))));
         let cosine = 1.0
             - q / 2.0 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0 * (1.0 - q / 90.0 * (1.0 - q / 132.0)))));
         *self = Self {
@@ -220,28 +221,28 @@ impl WaveFoot {
     }
 }
 
-/// What a ray remembers of the piece it runs along: the point straight above or below, and the nearest one.
+/// State of a ray along a piece: the point of the piece at the same d, and the nearest point, as initial guesses.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Memory {
     below: Option<WaveFoot>,
     foot: Option<WaveFoot>,
 }
 
-/// A point of a piece near another point: the vector from it, and whether it is the nearest one to rounding.
+/// A point of a piece near another point: the vector from it, and whether it is the nearest point to rounding.
 pub(super) struct Near {
     pub away: [f64; 2],
     pub settled: bool,
 }
 
-/// A piece seen from a point.
-pub(super) enum Seen {
+/// Distance of a piece from a point.
+pub(super) enum SeenPiece {
     /// A lower bound of the distance.
     AtLeast(f64),
     Offset(Offset),
 }
 
 impl Piece {
-    /// A point of the piece near (d, z), nearer to the nearest one the more often it is asked for along a ray.
+    /// A point of the piece near (d, z). Repeated calls along a ray converge to the nearest point.
     #[inline]
     pub fn near(&self, d: f64, z: f64, memory: &mut Memory) -> Near {
         let away = match *self {
@@ -274,7 +275,7 @@ impl Piece {
             Self::Wave { mean, amplitude, k } => {
                 let (wave, z) = (Wave { amplitude, k }, z - mean);
                 let Some(foot) = &mut memory.foot else {
-                    // The point straight above or below is enough where the surface is far.
+                    // The point at the same d suffices where the surface is far.
                     let below = WaveFoot::at(k, d);
                     memory.foot = Some(below);
                     return Near {
@@ -289,7 +290,7 @@ impl Piece {
                 }
                 return Near {
                     away: [d - foot.s, z - amplitude * foot.cos],
-                    // The distance is off by the fourth power of the last step.
+                    // The error of the distance is of the fourth power of the last step.
                     settled: moved < 1e-4,
                 };
             }
@@ -299,21 +300,21 @@ impl Piece {
 
     /// The distance of a point of a ray from the piece, or a cheap lower bound that exceeds `far`.
     #[inline]
-    pub fn seen(&self, d: f64, z: f64, far: f64, memory: &mut Memory) -> Seen {
+    pub fn seen(&self, d: f64, z: f64, far: f64, memory: &mut Memory) -> SeenPiece {
         let Self::Wave { mean, amplitude, k } = *self else {
-            return Seen::Offset(self.offset(d, z));
+            return SeenPiece::Offset(self.offset(d, z));
         };
         let z = z - mean;
         let below = memory.below.get_or_insert_with(|| WaveFoot::at(k, d));
-        below.turn(k, d - below.s);
-        // Nowhere is the line steeper than at its middle.
+        below.advance(k, d - below.s);
+        // The line is steepest at its middle.
         let vertical = z - amplitude * below.cos;
         let least_squared = vertical * vertical / (1.0 + amplitude * amplitude * k * k);
         if least_squared > far * far {
-            return Seen::AtLeast(least_squared.sqrt());
+            return SeenPiece::AtLeast(least_squared.sqrt());
         }
         let below = *below;
         let foot = memory.foot.get_or_insert(below);
-        Seen::Offset(Wave { amplitude, k }.offset(d, z, below, foot, 1e-5))
+        SeenPiece::Offset(Wave { amplitude, k }.offset(d, z, below, foot, 1e-5))
     }
 }

@@ -3,25 +3,25 @@ use super::tube::{Local, Skin, Tube, floor};
 use crate::cloth::{ClothError, ClothSpec, System, YarnId};
 use crate::geometry::{Frame, Vec3};
 
-/// A ray in the cloth's plane may run for ever through a channel of the weave. After this many cells between crossings
-/// it counts as escaped; at 89.99° to the normal a ray crosses only some thousands.
+/// Limit of the number of cells between crossings after which a ray counts as escaped: a ray in the cloth's plane may
+/// run forever through a channel of the weave. At 89.99° to the normal a ray crosses only a few thousand.
 const MAX_CELLS: usize = 1 << 20;
 
 /// Overlap, as a fraction of the cell's size, of the ranges searched in neighbouring cells. Covers rounding.
 const SEAM: f64 = 1e-12;
 
-/// Where a ray in the air meets a yarn.
+/// Intersection of a ray in the air with a yarn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// On the smooth surface.
+    /// Position on the smooth surface, mm.
     pub position: Vec3,
     pub distance_mm: f64,
-    /// Axis along the centre line's tangent, normal outwards.
+    /// Local frame: axis along the centre line's tangent, normal outward.
     pub frame: Frame,
     pub yarn: YarnId,
 }
 
-/// An endless woven cloth, every yarn of it a smooth tube: rays inside a yarn and in the air between.
+/// An endless woven cloth of smooth tubes; intersects rays inside the yarns and in the air between them.
 #[derive(Clone, Debug)]
 pub struct Cloth {
     warp: Parallel,
@@ -34,15 +34,15 @@ pub struct Cloth {
 #[derive(Clone, Debug)]
 struct Parallel {
     tubes: Vec<Tube>,
-    /// Where the yarns of one repeat stand across their direction, ascending.
+    /// Positions of the yarns of one repeat across their direction, mm, ascending.
     places: Vec<f64>,
-    /// Half-way through the gap from each yarn to the next.
+    /// Middle of the gap from each yarn to the next, mm.
     gaps: Vec<f64>,
     repeat: f64,
     inverse_repeat: f64,
 }
 
-/// A yarn of the endless cloth: its place in the repeat, and the cell across.
+/// A yarn of the endless cloth: its index in the repeat, and the cell across.
 #[derive(Clone, Copy)]
 struct Counted {
     index: usize,
@@ -96,7 +96,7 @@ impl Parallel {
         }
     }
 
-    /// The last yarn that stands at or before `across`.
+    /// The last yarn at or before `across`.
     fn before(&self, across: f64) -> Counted {
         let repeats = (across / self.repeat).floor();
         let mut yarn = Counted {
@@ -120,7 +120,7 @@ impl Parallel {
         let whole = floor(repeats);
         let mut across = across - whole * self.repeat;
         let mut k = (((repeats - whole) * n as f64) as usize).min(n - 1);
-        // The last gap may end before the repeat does, or past its end.
+        // The middle of the last gap may lie before or beyond the end of the repeat.
         if across > self.gaps[n - 1] {
             across -= self.repeat;
             k = 0;
@@ -156,8 +156,11 @@ fn world(system: System, Local { x, u, z }: Local) -> [f64; 3] {
 }
 
 impl Cloth {
+    /// Builds the tubes of a cloth.
+    ///
     /// # Errors
-    /// A value out of range, too many yarns, a jammed weave, yarns that overlap or bend tighter than they are thick.
+    /// [`ClothError`] for a value out of range, too many yarns, a jammed weave, and yarns that overlap or whose radius
+    /// of curvature is below their half height.
     pub fn new(spec: &ClothSpec) -> Result<Self, ClothError> {
         let layout = Layout::new(spec)?;
         let parallel = |system, repeat| {
@@ -173,12 +176,12 @@ impl Cloth {
         })
     }
 
-    /// Size of one repeat along x and y.
+    /// Size of the unit cell along x and y, mm.
     pub fn cell_mm(&self) -> [f64; 2] {
         self.cell_mm
     }
 
-    /// Height of the highest points of the yarns over the middle plane; the lowest lie as far under it.
+    /// Height of the highest points of the yarns above the middle plane, mm; the lowest are as far below it.
     pub fn top_mm(&self) -> f64 {
         self.top_mm
     }
@@ -199,15 +202,15 @@ impl Cloth {
         (tube, Local { u, ..at })
     }
 
-    /// Distance in mm from a point in a yarn of `system`, or on its surface looking in, to the yarn's surface along a
-    /// unit direction. Once the surface is known to be no nearer than `limit_mm`, any value of at least `limit_mm`.
-    /// Infinite if the ray has not left after some hundred diameters of yarn.
+    /// Distance in mm along a unit direction from a point in a yarn of `system`, or on its surface with the direction
+    /// inward, to the yarn's surface. If the surface is not nearer than `limit_mm`, any value of at least `limit_mm`
+    /// may be returned. Infinite if the ray has not left after some hundred diameters of yarn.
     pub fn inside_distance(&self, system: System, position: [f64; 3], direction: [f64; 3], limit_mm: f64) -> f64 {
         let (tube, from) = self.tube(system, position);
         tube.inside_distance(from, local(system, direction), limit_mm)
     }
 
-    /// The point of a yarn's surface next to a position within rounding of it, and the outward unit normal.
+    /// Point of a yarn's surface nearest to a position that is on the surface to rounding, and outward unit normal.
     pub fn surface(&self, system: System, position: [f64; 3]) -> ([f64; 3], [f64; 3]) {
         let (tube, near) = self.tube(system, position);
         let Skin { to_surface, normal, .. } = tube.skin(near);
@@ -215,34 +218,35 @@ impl Cloth {
         (std::array::from_fn(|k| position[k] + shift[k]), world(system, normal))
     }
 
-    /// Frame of the yarn of `system` at a position within rounding of its surface.
+    /// Frame of the yarn of `system` at a position that is on its surface to rounding.
     pub fn frame(&self, system: System, position: [f64; 3]) -> Frame {
         let (tube, near) = self.tube(system, position);
         frame(system, &tube.skin(near))
     }
 
-    /// The point of the section through a surface point whose outward normal is `normal`, a unit vector perpendicular to the
-    /// yarn's axis there.
+    /// Point of the section through a surface point at which the outward normal is `normal`, a unit vector
+    /// perpendicular to the yarn's axis there.
     pub fn beside(&self, system: System, position: [f64; 3], normal: [f64; 3]) -> [f64; 3] {
         let (tube, near) = self.tube(system, position);
         let shift = world(system, tube.around(near, local(system, normal)));
         std::array::from_fn(|k| position[k] + shift[k])
     }
 
-    /// Where along the yarn of `system` the section through a surface point has its centre, in the cloth's plane and in one repeat: from 0
-    /// to below its length.
+    /// Position along the yarn of `system` of the section through a surface point, mm, measured in the cloth's plane:
+    /// from 0 to below the length of one repeat.
     pub fn place_mm(&self, system: System, position: [f64; 3]) -> f64 {
         let (tube, near) = self.tube(system, position);
         tube.foot(near)[0].rem_euclid(self.repeat_mm(system))
     }
 
-    /// Surface that a yarn has at a point of it per mm of that place and per radian that the normal turns within the section.
+    /// Surface area of a yarn at a point per length along the yarn (in the cloth's plane) and per radian of rotation of
+    /// the normal within the section, mm.
     pub fn surface_mm(&self, system: System, position: [f64; 3]) -> f64 {
         let (tube, near) = self.tube(system, position);
         tube.surface_per_place(near)
     }
 
-    /// Length after which a yarn of `system` recurs along itself.
+    /// Period of a yarn of `system` along itself, mm.
     pub fn repeat_mm(&self, system: System) -> f64 {
         match system {
             System::Warp => self.cell_mm[0],
@@ -250,25 +254,25 @@ impl Cloth {
         }
     }
 
-    /// Yarns of `system` in one cell.
+    /// Number of yarns of `system` in one cell.
     pub fn yarns(&self, system: System) -> usize {
         self.parallel(system).places.len()
     }
 
-    /// The first yarn on a ray that starts in the air, or on a yarn's surface looking out of it. `direction` is a unit
-    /// vector. A yarn that touches the one left there is met at distance 0.
+    /// First intersection of a ray that starts in the air, or on a yarn's surface going outward. `direction` is a unit
+    /// vector. A yarn in contact with the one just left is met at distance 0.
     pub fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let (distance, yarn) = self.search(origin, direction, None)?;
         Some(self.hit(origin + direction * distance, distance, yarn))
     }
 
-    /// Whether any yarn but `owner` stands on a ray from the owner's surface, which may lead through the owner. The response
-    /// f* of a yarn holds the yarn's shadow on itself, so the owner of the shaded point is skipped whole, all along its length.
+    /// Whether any yarn except `owner` blocks a ray from the owner's surface; the ray may pass through the owner. f*
+    /// includes the yarn's shadow on itself, so the owner of the shaded point is skipped along its whole length.
     pub fn shadowed(&self, origin: Vec3, direction: Vec3, owner: YarnId) -> bool {
         self.search(origin, direction, Some(owner)).is_some()
     }
 
-    /// Distance and number of the first yarn on a ray, but for `skipped`.
+    /// Distance and identity of the first yarn on a ray, except `skipped`.
     fn search(&self, origin: Vec3, direction: Vec3, skipped: Option<YarnId>) -> Option<(f64, YarnId)> {
         let (o, d) = (origin, direction);
         let (mut entry, mut exit) = (0.0f64, f64::INFINITY);
@@ -276,8 +280,8 @@ impl Cloth {
         if entry > exit {
             return None;
         }
-        // Cells between the planes of neighbouring yarns: in each run quarters of two warps and of two wefts, each along
-        // one piece of its centre line.
+        // Cells between the planes of neighbouring yarns: each contains quarters of two warps and of two wefts, each
+        // along one piece of its centre line.
         let start = o + d * entry;
         let mut number = [self.weft.before(start.x), self.warp.before(start.y)];
         let seam = SEAM * (self.cell_mm[0] + self.cell_mm[1]);
@@ -354,21 +358,24 @@ impl Cloth {
 
     fn hit(&self, near: Vec3, distance_mm: f64, yarn: YarnId) -> Hit {
         let (tube, at) = self.tube(yarn.system, near.into());
-        let skin = tube.skin(at);
+        let surface = tube.skin(at);
         Hit {
-            position: near + Vec3::from(world(yarn.system, skin.to_surface)),
+            position: near + Vec3::from(world(yarn.system, surface.to_surface)),
             distance_mm,
-            frame: frame(yarn.system, &skin),
+            frame: frame(yarn.system, &surface),
             yarn,
         }
     }
 }
 
-fn frame(system: System, skin: &Skin) -> Frame {
-    Frame::from_axis_normal(world(system, skin.tangent).into(), world(system, skin.normal).into())
+fn frame(system: System, surface: &Skin) -> Frame {
+    Frame::from_axis_normal(
+        world(system, surface.tangent).into(),
+        world(system, surface.normal).into(),
+    )
 }
 
-/// Cuts [`first`, `last`] to the distances at which a coordinate that starts at 0 and changes at `rate` lies in
+/// Restricts [`first`, `last`] to the distances at which a coordinate that starts at 0 and changes at `rate` is within
 /// `bounds`.
 #[inline]
 fn clip(bounds: [f64; 2], rate: f64, first: &mut f64, last: &mut f64) {

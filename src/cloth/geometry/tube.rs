@@ -1,19 +1,19 @@
-use super::layout::Yarn;
-use super::piece::{Memory, Offset, Piece, Seen};
+use super::layout::WovenYarn;
+use super::piece::{Memory, Offset, Piece, SeenPiece};
 
-/// Steps of a search after which a ray counts as one that never reaches the surface.
+/// Largest number of search steps, after which a ray counts as never reaching the surface.
 const MAX_STEPS: usize = 256;
 
 /// Value of F, up to rounding the distance from the surface in half axes, that counts as on the surface.
 const ON_SURFACE: f64 = 1e-13;
 
-/// Value of −F from which one step ends a search, unless the ray grazes.
+/// Value of −F below which a single step ends a search, unless the ray is at grazing incidence.
 const LAST_STEP: f64 = 1e-8;
 
-/// First step, in half heights, of a ray that starts on the surface: past what rounding can hold there.
+/// First step, in half heights, of a ray that starts on the surface: large enough to leave it despite rounding.
 const LEAVE: f64 = 1e-9;
 
-/// Steps, in half heights, along the centre line over which its bend is measured.
+/// Step, in half heights, along the centre line over which its curvature is measured.
 const BEND_STEP: f64 = 1e-5;
 
 /// Smooth surface of one yarn: the points whose distance u from the centre line's vertical plane and signed distance v
@@ -28,7 +28,7 @@ pub(super) struct Tube {
     pub half_height: f64,
     inverse_a2: f64,
     inverse_b2: f64,
-    /// Where pieces begin along the yarn; the last is the first one repeat on.
+    /// Positions where pieces begin along the yarn, mm; the last is the first plus one repeat.
     knots: Vec<f64>,
     inverse_repeat: f64,
     pieces: Vec<Piece>,
@@ -40,12 +40,12 @@ pub(super) struct Tube {
 pub(super) struct Local {
     /// Along the yarn, in the cloth's plane.
     pub x: f64,
-    /// Sideways, from the centre line's plane.
+    /// Across the yarn, from the vertical plane of the centre line.
     pub u: f64,
     pub z: f64,
 }
 
-/// The surface next to a point: the way there, the outward normal and the centre line's tangent.
+/// The surface near a point: the vector to it, the outward normal, and the tangent of the centre line.
 pub(super) struct Skin {
     pub to_surface: Local,
     pub normal: Local,
@@ -63,7 +63,7 @@ impl Local {
 }
 
 impl Tube {
-    pub fn new(yarn: &Yarn) -> Self {
+    pub fn new(yarn: &WovenYarn) -> Self {
         let (half_width, half_height) = (yarn.half_width_mm, yarn.half_height_mm);
         let (knots, pieces) = yarn.line.pieces();
         Self {
@@ -80,7 +80,7 @@ impl Tube {
         }
     }
 
-    /// The piece over which `x` lies, and the distance from its beginning.
+    /// The piece at `x`, and the distance from its beginning.
     #[inline]
     fn locate(&self, x: f64) -> (usize, f64) {
         let n = self.pieces.len();
@@ -98,7 +98,7 @@ impl Tube {
         (k, x - self.knots[k])
     }
 
-    /// Moves on to the neighbouring piece while `d` lies outside piece `k`, and tells whether it did.
+    /// Moves to the neighbouring piece if `d` lies outside piece `k`; returns whether it did.
     #[inline]
     fn relocate(&self, k: &mut usize, d: &mut f64) -> bool {
         let mut moved = false;
@@ -109,7 +109,7 @@ impl Tube {
         }
         loop {
             let width = self.knots[*k + 1] - self.knots[*k];
-            // So that a NaN ends here.
+            // Written so that NaN ends the loop.
             let past = *d > width;
             if !past {
                 return moved;
@@ -136,12 +136,12 @@ impl Tube {
         along.u * along.u * self.inverse_a2 + (along.x * along.x + along.z * along.z) * self.inverse_b2
     }
 
-    /// Distance from a point inside, or on the surface looking in, to the surface; any value of at least `limit` once
-    /// the surface is known to be that far.
+    /// Distance to the surface from a point inside, or on the surface with the direction inward; any value of at least
+    /// `limit` if the surface is at least that far.
     ///
     /// Around any point c of the centre line, (u/a)² + |p − c|²/b² < 1 is inside the tube, and along the ray a parabola
-    /// whose curvature is M. Each step ends where that parabola meets the surface, so none passes it; c follows the ray
-    /// and is the nearest point in the end, where the parabola is F to second order.
+    /// whose second derivative is M bounds F from above. Each step ends where the parabola is 0, so no step overshoots.
+    /// c follows the ray and converges to the nearest point, where the parabola equals F to second order.
     pub fn inside_distance(&self, from: Local, along: Local, limit: f64) -> f64 {
         let bend = self.bend(along);
         let (mut k, mut d) = self.locate(from.x);
@@ -154,7 +154,7 @@ impl Tube {
             let f = u * u * self.inverse_a2 + (x_away * x_away + z_away * z_away) * self.inverse_b2 - 1.0;
             let slope = u * along.u * self.inverse_a2 + (x_away * along.x + z_away * along.z) * self.inverse_b2;
             if !near.settled && (f > -0.01 || distance == 0.0) {
-                // The circle around this point of the line need not hold the ray's point yet.
+                // The circle around this point of the line may not yet contain the point of the ray.
                 let rest = limit - distance;
                 if f < 0.0 && f + rest * (2.0 * slope + bend * rest) < 0.0 {
                     return limit;
@@ -162,7 +162,7 @@ impl Tube {
                 continue;
             }
             if f > -ON_SURFACE && distance > 0.0 {
-                // What is left is below rounding unless the ray grazes.
+                // The remainder is below rounding except at grazing incidence.
                 return distance + if slope > 0.0 { (-0.5 * f / slope).max(0.0) } else { 0.0 };
             }
             let f = f.min(0.0);
@@ -176,7 +176,7 @@ impl Tube {
             } else {
                 (root - slope) / bend
             };
-            // F is off by at most M / 2 times the step's square there, below rounding.
+            // The error of F there is at most M / 2 times the square of the step, below rounding.
             if near.settled && f > -LAST_STEP && slope > 0.0 && slope * slope > 1e-3 * bend {
                 return distance + step;
             }
@@ -199,7 +199,7 @@ impl Tube {
 
     /// First distance within `range` at which a ray enters the part of the tube over piece `k`, `from.x` counted from
     /// the piece's beginning. The range must keep the ray over the piece and within the tube's half width. A start on
-    /// the surface looking out is no entry.
+    /// the surface with the direction outward is not an entry.
     pub fn entry(&self, k: usize, from: Local, along: Local, range: [f64; 2]) -> Option<f64> {
         let piece = &self.pieces[k];
         let steepest = self.bend(along).sqrt();
@@ -214,8 +214,8 @@ impl Tube {
             }
             let at = from.moved(along, distance);
             let offset = match piece.seen(at.x, at.z, 1.25 * self.half_height, &mut memory) {
-                Seen::Offset(offset) => offset,
-                Seen::AtLeast(least) => {
+                SeenPiece::Offset(offset) => offset,
+                SeenPiece::AtLeast(least) => {
                     // √(F + 1) changes by at most √(M / 2) per unit of distance.
                     let section = (at.u * at.u * self.inverse_a2 + least * least * self.inverse_b2).sqrt();
                     distance += (section - 1.0) / steepest;
@@ -252,7 +252,7 @@ impl Tube {
         None
     }
 
-    /// The surface next to a point within rounding of it.
+    /// The surface near a point that is on it to rounding.
     pub fn skin(&self, near: Local) -> Skin {
         let (k, d) = self.locate(near.x);
         let Offset { v, normal } = self.pieces[k].offset(d, near.z);
@@ -280,7 +280,7 @@ impl Tube {
         }
     }
 
-    /// From a surface point to the one of the same section with an outward normal across the yarn.
+    /// Vector from a surface point to the point of the same section with the outward normal `outward`.
     pub fn around(&self, near: Local, outward: Local) -> Local {
         let (k, d) = self.locate(near.x);
         let Offset { v, normal } = self.pieces[k].offset(d, near.z);
@@ -295,16 +295,16 @@ impl Tube {
         }
     }
 
-    /// Along the yarn, and the height, of the nearest point of the centre line.
+    /// Position along the yarn and height of the nearest point of the centre line, mm.
     pub fn foot(&self, near: Local) -> [f64; 2] {
         let (k, d) = self.locate(near.x);
         let Offset { v, normal } = self.pieces[k].offset(d, near.z);
         [near.x - v * normal[0], near.z - v * normal[1]]
     }
 
-    /// Surface at a point of it per distance along the yarn, measured at the centre line's foot in the cloth's plane, and per radian
-    /// that the normal turns within the section: the section's radius of curvature, times how much longer the surface is
-    /// than that distance where the line climbs and where it bends away.
+    /// Surface area at a point per length along the yarn (of the foot on the centre line, in the cloth's plane) and per
+    /// radian of rotation of the normal within the section, mm. It is the section's radius of curvature times the ratio
+    /// of the length along the surface to that length, which depends on slope and curvature of the centre line.
     pub fn surface_per_place(&self, near: Local) -> f64 {
         let (k, d) = self.locate(near.x);
         let Offset { v, normal } = self.pieces[k].offset(d, near.z);
@@ -317,19 +317,19 @@ impl Tube {
         let step = BEND_STEP * self.half_height;
         let bend = (lean(step) - lean(-step)) / (2.0 * step);
         let (a, b) = (self.half_width, self.half_height);
-        // Of the ellipse (u/a)² + (v/b)² = 1.
+        // Radius of curvature of the ellipse (u/a)² + (v/b)² = 1.
         let radius = (a * b).powi(2) * (near.u / (a * a)).hypot(v / (b * b)).powi(3);
         radius * (1.0 + bend * v) / normal[1]
     }
 
-    /// Distance from a point to the surface to first order, negative inside, exact at the surface and for a circular
-    /// section.
+    /// Signed distance from a point to the surface to first order, negative inside; exact at the surface and for a
+    /// circular section.
     pub fn signed_distance(&self, at: Local) -> f64 {
         let (k, d) = self.locate(at.x);
         let v = self.pieces[k].offset(d, at.z).v;
         let (p, q) = (at.u * self.inverse_a2, v * self.inverse_b2);
         let section = (at.u * p + v * q).sqrt();
-        // At the centre line itself the smaller half axis is left.
+        // On the centre line itself the distance is the smaller half axis.
         let gradient = (p * p + q * q).sqrt() / section;
         if section > 1e-9 {
             (section - 1.0) / gradient
@@ -345,7 +345,7 @@ impl Tube {
     }
 }
 
-/// The floor of a number of repeats, without the call that f64::floor is on processors without SSE 4.1.
+/// Floor of a number of repeats, without the function call that f64::floor becomes on processors without SSE 4.1.
 #[inline]
 pub(super) fn floor(x: f64) -> f64 {
     let truncated = x as i64 as f64;

@@ -4,11 +4,11 @@ use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
 
-/// Light on its way to a yarn that it has met.
+/// Incidence of light on the outer surface of a yarn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arrival {
     pub hit: Hit,
-    /// Unit vector towards where it comes from.
+    /// Unit vector towards the origin of the light.
     pub omega_in: Vec3,
     pub history: History,
 }
@@ -20,24 +20,24 @@ impl Arrival {
     }
 }
 
-/// What light has been through.
+/// History of light since it entered the cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct History {
-    /// Yarns it has met.
+    /// Number of yarns met so far.
     pub yarns: usize,
     pub spread: Spread,
 }
 
-/// What last gave light a direction that had a density.
+/// The last event that gave light a direction with a density (not a delta).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Spread {
-    /// Nothing: smooth surfaces alone have turned it.
+    /// None: only smooth interfaces have deflected the light (specular path).
     Never,
-    /// Particles of a medium, or the backing.
+    /// Scattering by a medium or by the backing.
     Scattered,
-    /// The fibres of a yarn's surface, and nothing has turned it since.
+    /// Reflection by the fibres of a yarn's surface, with no deflection since.
     ByFibres,
-    /// Fibres, and surfaces since.
+    /// Reflection by fibres, then deflection by smooth interfaces.
     ByFibresBefore,
 }
 
@@ -47,7 +47,7 @@ impl History {
         spread: Spread::Never,
     };
 
-    /// After one more yarn, through whose surfaces alone it went on.
+    /// History after passing one more yarn without scattering, deflected only by its surfaces.
     pub fn through_yarn(self) -> Self {
         let spread = match self.spread {
             Spread::ByFibres => Spread::ByFibresBefore,
@@ -59,7 +59,7 @@ impl History {
         }
     }
 
-    /// After one more yarn that spread it.
+    /// History after one more yarn, which spread the light.
     pub fn spread_by_yarn(self, spread: Spread) -> Self {
         Self {
             yarns: self.yarns + 1,
@@ -68,22 +68,23 @@ impl History {
     }
 }
 
-/// Which light the detector is to catch.
+/// Selects the light that the detector scores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Caught {
     All,
-    /// What fibres have spread and surfaces turned since: all else is shown to views, or is followed as rays.
+    /// Only light spread by fibres and then deflected by smooth interfaces. All other light is connected to the views
+    /// (next-event estimation) or traced as specular paths.
     TurnedAfterFibres,
 }
 
-/// Particles that wait at the yarns of one system, and what each carries at every wavelength.
+/// Particles waiting at the yarns of one system, and their weights at every wavelength.
 #[derive(Default)]
 pub(super) struct Queue {
     pub arrivals: Vec<Arrival>,
     pub weights: Vec<f32>,
 }
 
-/// Particles that wait at the backing.
+/// Particles waiting at the backing, and their weights at every wavelength.
 #[derive(Default)]
 pub(super) struct Landed {
     pub arrivals: Vec<BackingHit>,
@@ -93,34 +94,35 @@ pub(super) struct Landed {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BackingHit {
     pub position: Vec3,
-    /// Unit vector towards where it comes from.
+    /// Unit vector towards the origin of the light.
     pub omega_in: Vec3,
     pub history: History,
 }
 
-/// With what probability one particle goes on for all of the light that leaves a yarn one way and meets another, if it is below 1.
+/// Survival probability of Russian roulette for a particle that leaves a yarn and meets another, where it is below 1.
+/// The particle carries all the light that left in that direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Survival {
-    /// The mean of its weights over the wavelengths: at most as many particles are then under way as came in, however many parts
-    /// the light of each is split into.
+    /// Mean of the weights over wavelengths. The expected number of particles never exceeds the number launched, into
+    /// however many parts the light of each is split.
     MeanWeight,
-    /// The largest of them: no weight of one that goes on is above 1, or above what it was. As each weighs 1 at one wavelength, at most as many are
-    /// under way as what is left of the light at all wavelengths adds up to. More particles for less noise of a wavelength that
-    /// goes farther than others; worth it where light is shown to views at every yarn.
+    /// Largest of the weights. No weight of a survivor exceeds 1 or its former value. The expected number of particles
+    /// is at most the remaining light summed over wavelengths: more particles, but less noise at wavelengths that
+    /// travel farther than others. Efficient where every yarn connects light to the views.
     LargestWeight,
 }
 
-/// The air between and around the yarns: takes light that leaves a yarn to the next, or out of the cloth.
+/// The air between and around the yarns: traces light that leaves a yarn to the next yarn, or out of the cloth.
 pub(super) struct Air<'a, D, R> {
     cloth: &'a Cloth,
-    /// Reflectance of a perfectly rough plane right under the cloth, at each wavelength.
+    /// Reflectance of a Lambertian plane directly under the cloth, at each wavelength.
     backing: Option<&'a [f64]>,
     detector: &'a D,
     rng: R,
     wavelengths: usize,
     queues: [Queue; 2],
     landed: Landed,
-    /// Sums over particles, by wavelength.
+    /// Ledger sums over particles, for each wavelength.
     sums: Vec<ClothLedger>,
     catching: Caught,
     survival: Survival,
@@ -154,7 +156,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         }
     }
 
-    /// Sends so many particles of a beam.
+    /// Launches a number of particles of a beam.
     pub fn launch_beam(&mut self, beam: &Beam, particles: usize) {
         let omega_in = beam.omega_in;
         self.light_above = omega_in.z > 0.0;
@@ -184,12 +186,12 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         }
     }
 
-    /// Those that wait at a system's yarns, who then no longer wait.
+    /// Removes and returns the particles waiting at a system's yarns.
     pub fn take(&mut self, system: System) -> Queue {
         std::mem::take(&mut self.queues[system.index()])
     }
 
-    /// Those that wait at the backing, who then no longer wait.
+    /// Removes and returns the particles waiting at the backing.
     pub fn take_landed(&mut self) -> Landed {
         std::mem::take(&mut self.landed)
     }
@@ -198,7 +200,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         self.queues.iter().all(|queue| queue.arrivals.is_empty()) && self.landed.arrivals.is_empty()
     }
 
-    /// Follows light that leaves a yarn, or the backing.
+    /// Traces light that leaves a yarn or the backing to the next yarn, to the backing, or out of the cloth.
     pub fn launch(&mut self, origin: Vec3, direction: Vec3, weights: &[f64], history: History) {
         let Some(hit) = self.cloth.first_hit(origin, direction) else {
             if self.backing.is_some() && (direction.z > 0.0) != self.light_above {
@@ -216,7 +218,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         let survives = self.rng.random::<f64>() < survival;
         let worth = if survives { 1.0 / survival } else { 0.0 };
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
-            // As it will be read back.
+            // Rounded to single precision, as the queue stores it.
             let goes_on = if survives {
                 f64::from((worth * weight) as f32)
             } else {
@@ -234,7 +236,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         }
     }
 
-    /// Sends on what the surface of a yarn reflects, `weights`, of light that met it.
+    /// Launches the light reflected by a yarn's outer surface; `weights` are those of the reflected light.
     pub fn reflect(&mut self, surface: &YarnSurface, arrival: &Arrival, weights: &[f64]) {
         let Arrival { hit, omega_in, history } = arrival;
         match surface {
@@ -252,7 +254,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         }
     }
 
-    /// The backing lies at the height of the cloth's lowest points.
+    /// Adds light to the queue of the backing, a plane at the height of the cloth's lowest points.
     fn land(&mut self, origin: Vec3, direction: Vec3, weights: impl Iterator<Item = f64>, history: History) {
         let height = if self.light_above { -1.0 } else { 1.0 } * self.cloth.top_mm();
         let position = origin + direction * ((height - origin.z) / direction.z).max(0.0);
@@ -264,8 +266,8 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         self.landed.weights.extend(weights);
     }
 
-    /// Sends light back from the backing, a perfect diffuser of its reflectance; the rest is absorbed. Leaves in `weights` what it
-    /// sends back.
+    /// Reflects light from the backing, a Lambertian surface; the rest is absorbed. On return `weights` are those of
+    /// the reflected light.
     pub fn send_back(&mut self, landing: &BackingHit, weights: &mut [f64]) {
         let reflectance = self.backing.unwrap_or_default().iter();
         for ((weight, sums), reflectance) in weights.iter_mut().zip(&mut self.sums).zip(reflectance) {
@@ -312,14 +314,14 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         });
     }
 
-    /// Counts light that is followed no further, at every wavelength.
+    /// Adds light that is not traced further to a fraction of the ledger, at every wavelength.
     pub fn keep(&mut self, kept: ClothFraction, weights: impl Iterator<Item = f64>) {
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
             sums[kept] += weight;
         }
     }
 
-    /// As fractions of a beam of so many particles.
+    /// Results as fractions of a beam of `particles` particles.
     pub fn batch(self, particles: usize) -> ClothBatch {
         let share = 1.0 / particles as f64;
         let ledger = self.sums.iter();

@@ -8,13 +8,13 @@ use rand::{Rng, RngExt};
 pub struct Beam {
     /// Unit vector towards the light.
     pub omega_in: Vec3,
-    /// Tells the random streams of a study's beams apart.
+    /// Number of the beam, which separates the random streams of a study's beams.
     pub number: usize,
 }
 
 impl Beam {
-    /// Where `particles` of it set out, over the cloth and evenly spread over the cell of its plane: strata along x in order, along
-    /// y at the golden ratio's multiples.
+    /// Starting points of `particles` particles above the cloth, uniform over the unit cell: stratified along x, at
+    /// multiples of the golden ratio along y.
     pub(super) fn origins(&self, cloth: &Cloth, particles: usize, rng: &mut impl Rng) -> Vec<Vec3> {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let [cell_x, cell_y] = cloth.cell_mm();
@@ -30,29 +30,29 @@ impl Beam {
     }
 }
 
-/// What one batch of particles of one beam gives.
+/// Result of one batch of particles of one beam.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClothBatch {
-    /// At each wavelength.
+    /// Ledger at each wavelength.
     pub ledger: Vec<ClothLedger>,
-    /// Fraction of the beam that the detector's bins caught: [bin][wavelength].
+    /// Fraction of the beam that the detector's bins caught: `[bin][wavelength]`.
     pub caught: Vec<Vec<f64>>,
 }
 
-/// A beam, and the views that look at what it lights.
+/// A beam, and the views of the cloth it illuminates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LitViews {
     pub beam: Beam,
     pub cones: ViewCones,
-    /// Tells the random streams of the views apart, whatever else is measured.
+    /// Number of each view, which separates their random streams whatever else is measured.
     pub numbers: Vec<usize>,
 }
 
-/// What one batch of light gives at the views of one beam.
+/// Result of one batch at the views of one beam.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LitBatch {
-    /// Brightness factor, π L/(E⊥ cosθ_i), at [view][wavelength].
+    /// Brightness factor, π L/(E⊥ cosθ_i), at `[view][wavelength]`.
     pub beta: Vec<Vec<f64>>,
-    /// At each wavelength; empty where the light is not followed.
+    /// Ledger at each wavelength; empty if the light is not traced beyond the first yarn.
     pub ledger: Vec<ClothLedger>,
 }

@@ -5,32 +5,35 @@ use crate::yarn::{YarnError, YarnResponse};
 use rayon::prelude::*;
 use std::iter::zip;
 
-/// Light that goes on from yarn to yarn by their f*, for views: all that the first yarn it met has not scattered straight to them.
+/// Integrator of interreflections: light that travels from yarn to yarn by their f*. It gives all light at the views
+/// except what the first yarn scatters straight to them.
 #[derive(Clone, Debug)]
 pub struct Bounces<'a> {
     scene: Scene<'a>,
     segments: Segments,
-    /// Yarns after the first.
+    /// Largest number of yarns met after the first.
     most: usize,
     particles: usize,
     rays: usize,
 }
 
-/// Segments of yarn, and squares of the backing, within which light forgets where it came in, in radii of the thinner yarn: far
-/// shorter than light goes along a yarn before it leaves, and than what yarns let through is wide.
+/// Size of the segments of yarn and squares of the backing within which the entry point is ignored, in radii of the
+/// thinner yarn. Much smaller than the distance light travels along a yarn, and than the width of light transmitted by
+/// yarns.
 const SEGMENT_RADII: f64 = 0.125;
 const SQUARE_RADII: f64 = 0.25;
 
-/// Rays of a view in a batch, however many the camera has: each point they end at takes memory for every wavelength.
+/// Upper limit of camera rays per view and batch: each vertex of a ray takes memory for every wavelength.
 const MOST_RAYS: usize = 4096;
 const CROSSINGS_OF_PLAIN: usize = 4;
 
 impl<'a> Bounces<'a> {
-    /// Light goes on to `most` yarns after the first; `particles` of a beam in a batch, and `rays` of a view for a plain weave.
+    /// `most`: largest number of yarns after the first; `particles`: per beam and batch; `rays`: per view and batch for
+    /// a plain weave.
     pub fn new(scene: Scene<'a>, most: usize, particles: usize, rays: usize) -> Self {
         let radii_mm = scene.yarns.map(|yarn| yarn.cylinder.radius_mm());
         let radius_mm = radii_mm[0].min(radii_mm[1]);
-        // As many for a segment of yarn, so that a particle finds one as often, as in the cell of a plain weave.
+        // Keeps the number of rays per segment of yarn as in a plain weave, so that particles find one equally often.
         let crossings = [System::Warp, System::Weft].map(|system| scene.cloth.yarns(system));
         let cells = (crossings[0] * crossings[1]).div_ceil(CROSSINGS_OF_PLAIN);
         Self {
@@ -89,7 +92,7 @@ impl Integrator for Bounces<'_> {
     }
 }
 
-/// Tells views apart, whatever else the rig measures.
+/// Number of a view, which depends on its direction alone and not on what else the rig measures.
 fn direction_number(view: &Vec3) -> usize {
     let [x, y] = [view.x, view.y].map(|c| (c * 1e6).round() as isize as usize & 0xff_ffff);
     x << 24 | y

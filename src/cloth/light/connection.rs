@@ -14,41 +14,44 @@ use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 
-/// Views that look on while light goes from yarn to yarn.
+/// Next-event estimation: connects light travelling from yarn to yarn to the vertices of the views' paths.
 pub struct Connected<'a> {
     pub segments: &'a Segments,
-    /// One of each view.
+    /// Paths of each view.
     pub paths: Vec<&'a ViewPaths>,
-    /// About the same views.
+    /// Cones about the same views.
     pub cones: &'a ViewCones,
-    /// Whether shading in the sun shows what a straight yarn scatters of the beam straight to a view: it is then left out here.
+    /// Whether direct shading already includes the light of the beam that a straight yarn scatters straight to a view;
+    /// it is then left out here.
     pub sunlit: bool,
 }
 
-/// What of the particles' light goes to one view.
+/// Sums of light towards one view.
 struct ViewSum<'a> {
     paths: &'a ViewPaths,
-    /// Unit vector.
+    /// Unit vector towards the view.
     towards: Vec3,
     /// Radiance at each wavelength, summed over particles and rays, in 1/(mm² sr).
     sum: Vec<f64>,
-    /// ViewSum per steradian that fibres reflect, summed over particles.
+    /// Light reflected by fibres towards the view, as a fraction of the particles' light per steradian, summed over
+    /// particles.
     gloss: Vec<f64>,
 }
 
-/// Rays of light that surfaces alone turn for one particle: they cost a tenth, and few of them are caught.
+/// Number of specular paths traced for each particle: they cost a tenth of a particle, and few of them reach a
+/// detector.
 const STRAIGHT: usize = 8;
 
 impl YarnToYarn<'_> {
-    /// Batch number `batch` of `particles` particles, whose light `detector` catches as it leaves.
+    /// Traces batch `batch` of `particles` particles; `detector` scores their light as it leaves the cloth.
     pub fn batch<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> ClothBatch {
         self.trace(beam, detector, None, batch, particles)
     }
 
-    /// What views see of light that the first yarn it met has not scattered, or not that yarn alone, and of what it
-    /// scatters beyond a straight one: the brightness factor at [view][wavelength]; and the ledger of all light. Light that was
-    /// scattered is worked out where a view's camera rays end, what fibres reflect where they do; what smooth surfaces turn last has no
-    /// density in direction, and is caught in the cones.
+    /// Brightness factor at `[view][wavelength]` of all light except what the first yarn scatters straight to the view
+    /// as a straight yarn would; and the ledger of all light. Scattered light is connected to the vertices of the
+    /// view's camera rays, light reflected by fibres to the view at the point of reflection. Light last deflected by a
+    /// smooth interface has no density in direction, so it is counted in the cones.
     pub fn between(
         &self,
         beam: &Beam,
@@ -89,12 +92,13 @@ impl YarnToYarn<'_> {
         (views.into_iter().enumerate().map(of_view).collect(), ledger)
     }
 
-    /// What `detector` catches of the light that surfaces alone turn, as a fraction of the beam: [bin][wavelength].
+    /// Light scored by `detector` that only smooth interfaces deflect (specular paths), as a fraction of the beam:
+    /// `[bin][wavelength]`.
     pub fn straight<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> Vec<Vec<f64>> {
         SpecularPaths::new(self).caught(beam, detector, batch, STRAIGHT * particles)
     }
 
-    /// Brightness factor of the backing where beam and view reach it past the yarns.
+    /// Brightness factor of the backing where both beam and view reach it without meeting a yarn.
     fn bare_backing(&self, beam: &Beam, segments: &Segments, paths: &ViewPaths) -> Vec<f64> {
         let Some(reflectance) = self.scene.backing else {
             return vec![0.0; self.wavelengths()];
@@ -175,7 +179,7 @@ impl YarnToYarn<'_> {
         air.batch(particles)
     }
 
-    /// Adds to what the views see of the light that fibres reflect.
+    /// Connects light reflected by fibres to the views.
     fn show_gloss(&self, gloss: &FibreGloss, arrival: &Arrival, reflected: &[f64], views: &mut [ViewSum]) {
         let hit = &arrival.hit;
         let omega_in = hit.frame.to_local(&arrival.omega_in);
@@ -189,8 +193,8 @@ impl YarnToYarn<'_> {
         }
     }
 
-    /// Adds to what the views see of the light inside that is about to leave, at one for all of the ends of each view's rays
-    /// on this piece of the yarn. Of light straight from the beam, shading in the sun has shown what a straight yarn scatters
+    /// Connects the light inside a yarn to each view, at one vertex chosen among all those of the view on this segment
+    /// of the yarn. For light straight from the beam, direct shading already includes what a straight yarn scatters
     /// straight to the view: `parts.out` is the rest.
     fn show(
         &self,
@@ -230,7 +234,8 @@ impl YarnToYarn<'_> {
         }
     }
 
-    /// The same of light that the backing sends back, but for what beam and view reach past the yarns.
+    /// Connects light reflected by the backing to the views, except where both beam and view reach it without meeting a
+    /// yarn.
     fn show_backing(
         &self,
         landing: &BackingHit,
@@ -257,8 +262,9 @@ impl YarnToYarn<'_> {
     }
 }
 
-/// Of light that meets a straight yarn, what is neither reflected nor ballistic: f* was traced in one. In a bent one
-/// surfaces lean towards each other, and light that a straight one lets through is totally reflected and scatters after all.
+/// Weights of the light neither reflected nor ballistic in a straight yarn, in which f* was traced. A bent yarn
+/// differs: its surfaces are inclined to each other, so light that a straight yarn transmits can be totally reflected
+/// and then scattered.
 fn straight_yarn(yarn: &Yarn, outer: &OuterSurface, arrival: &Arrival, weights: &[f32], inside: &mut [f64]) {
     let local = arrival.hit.frame.to_local(&arrival.omega_in);
     let surface = outer.outside(&arrival.hit, &-arrival.omega_in);

@@ -1,15 +1,16 @@
 use crate::geometry::Vec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Bins of directions that light leaves the cloth in. They may overlap, and need not cover the sphere.
+/// Bins of exit directions. They may overlap and need not cover the sphere.
 pub trait Detector: Sync {
     fn bins(&self) -> usize;
 
-    /// Hands over every bin that takes light of a unit direction away from the cloth, with the share it takes of it.
+    /// Calls `found` for every bin that scores light leaving along the unit vector `direction`, with the fraction it
+    /// scores.
     fn find(&self, direction: &Vec3, found: impl FnMut(usize, f64));
 }
 
-/// A cone about each view of a rig, as the aperture of a goniophotometer.
+/// A cone about each view of a rig, like the aperture of a goniophotometer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewCones {
     views: Vec<Vec3>,
@@ -29,7 +30,7 @@ impl ViewCones {
         &self.views
     }
 
-    /// ∫ cosθ dω over the cone about view k, sr: of a cone wholly above the cloth.
+    /// ∫ cosθ dω over the cone about view k, sr; exact for a cone entirely above the cloth.
     pub fn projected_solid_angle(&self, k: usize) -> f64 {
         std::f64::consts::PI * (1.0 - self.cos_half_angle * self.cos_half_angle) * self.views[k].z
     }
@@ -52,9 +53,9 @@ impl Detector for ViewCones {
 /// Nodes of the hemisphere about +z: the normal, then rings in equal polar steps out to the horizon, each with nodes at
 /// equal azimuths from x on.
 ///
-/// Light is shared out among the four nodes around its direction in the shares with which a table that is linear in polar
-/// angle and azimuth interpolates there. A node's f is what it took over its projected solid angle, and the table of these
-/// f, so interpolated, holds exactly the energy that was shared out.
+/// Light is distributed over the four nodes around its direction with the weights of bilinear interpolation in polar
+/// angle and azimuth. A node's f is its light divided by its projected solid angle; the bilinear interpolation of these
+/// f conserves the energy exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HemisphereNodes {
     rings: usize,
@@ -62,8 +63,8 @@ pub struct HemisphereNodes {
 }
 
 impl HemisphereNodes {
-    /// Rings in a right angle and azimuths of each: at least two, and at least four, a multiple of four, so that
-    /// reversing x or y, or exchanging them, takes nodes to nodes.
+    /// `rings`: number of rings in a right angle, 2 or more. `azimuths`: nodes of each ring, a multiple of 4, so that
+    /// reversing or exchanging x and y maps nodes to nodes. `None` otherwise.
     pub fn new(rings: usize, azimuths: usize) -> Option<Self> {
         (rings >= 2 && azimuths >= 4 && azimuths.is_multiple_of(4)).then_some(Self { rings, azimuths })
     }
@@ -80,7 +81,7 @@ impl HemisphereNodes {
         1 + self.rings * self.azimuths
     }
 
-    /// Number of a node on ring `ring`, of which number 0 is the normal whatever the azimuth.
+    /// Index of a node; ring 0 is the normal whatever the azimuth.
     pub fn node(&self, ring: usize, azimuth: usize) -> usize {
         match ring {
             0 => 0,
@@ -88,7 +89,7 @@ impl HemisphereNodes {
         }
     }
 
-    /// Polar angle and azimuth of a node.
+    /// Polar angle and azimuth of a node, radians.
     pub fn angles_rad(&self, node: usize) -> [f64; 2] {
         let Some(beside) = node.checked_sub(1) else {
             return [0.0; 2];
@@ -97,14 +98,14 @@ impl HemisphereNodes {
         [self.polar_rad(ring as f64), azimuth as f64 * TAU / self.azimuths as f64]
     }
 
-    /// The node next to an upward direction.
+    /// Index of the node nearest to an upward direction.
     pub fn nearest(&self, d: &Vec3) -> usize {
         let [polar, around] = self.coordinates(d);
         let ring = (polar.round() as usize).min(self.rings);
         self.node(ring, around.round() as usize % self.azimuths)
     }
 
-    /// ∫ s cosθ dω, sr, over the share s that a node takes of light of each direction; the nodes' add to π.
+    /// ∫ s cosθ dω, sr, with s the node's weight for light of each direction; the sum over nodes is π.
     pub fn projected_solid_angle(&self, node: usize) -> f64 {
         let ring = match node {
             0 => 0.0,
@@ -128,7 +129,7 @@ impl HemisphereNodes {
         (rising + falling) / step * TAU / azimuths as f64
     }
 
-    /// Hands over the nodes around an upward unit direction and the share of each; the shares sum to 1.
+    /// Calls `found` for the nodes around an upward unit vector with the weight of each; the weights sum to 1.
     pub fn share(&self, d: &Vec3, mut found: impl FnMut(usize, f64)) {
         let [polar, around] = self.coordinates(d);
         let ring = (polar as usize).min(self.rings - 1);
@@ -151,7 +152,7 @@ impl HemisphereNodes {
         ring * FRAC_PI_2 / self.rings as f64
     }
 
-    /// Polar angle and azimuth, 0 to a whole turn, in steps.
+    /// Polar angle and azimuth (0 to 2π) in units of the steps between nodes.
     fn coordinates(&self, d: &Vec3) -> [f64; 2] {
         let polar = d.x.hypot(d.y).atan2(d.z).min(FRAC_PI_2) / FRAC_PI_2;
         let around = d.y.atan2(d.x) / TAU;
@@ -177,7 +178,7 @@ mod tests {
         let nodes = HemisphereNodes::new(6, 8).unwrap();
         let all: f64 = (0..nodes.count()).map(|node| nodes.projected_solid_angle(node)).sum();
         assert_relative_eq!(all, PI, epsilon = 1e-14);
-        // Shares of even light, by the midpoint rule.
+        // Weights under uniform radiance, by the midpoint rule.
         let (rows, columns) = (600, 96);
         let mut taken = vec![0.0; nodes.count()];
         for i in 0..rows {

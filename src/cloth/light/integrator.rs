@@ -1,13 +1,13 @@
 use super::{LitBatch, LitViews};
 use crate::yarn::{YarnError, YarnResponse};
 
-/// A way to work out how bright a cloth looks.
+/// A method to compute the brightness factor of a cloth.
 pub trait Integrator: Sync {
-    /// Brightness factors of batch number `batch`, the same whenever and wherever it is made. `responses` are f* of the batch:
-    /// of warp and weft, or one where they are the same yarn; a way that needs none takes none.
+    /// Brightness factors of batch `batch`, a function of its arguments alone. `responses` are f* of the batch, of warp
+    /// and weft, or one if they are the same yarn; integrators that do not use f* ignore them.
     ///
     /// # Errors
-    /// f* on another grid, or at other wavelengths, than the scene has.
+    /// [`YarnError`] if f* has another grid or other wavelengths than the scene.
     fn brightness(
         &self,
         responses: &[YarnResponse],

@@ -13,8 +13,8 @@ fractions! {
         Absorbed = "absorbed",
         /// Reflected by the outer surface of a yarn and discarded, by [`super::YarnSurface::Lost`].
         ReflectionDropped = "reflection_dropped",
-        /// Not followed to a further yarn because of the limit on bounces, or trapped in a yarn that neither scatters
-        /// nor absorbs.
+        /// Not traced to a further yarn because of the limit on bounces, or trapped in a yarn that neither scatters nor
+        /// absorbs.
         BouncesCut = "bounces_cut",
         /// Net weight that random sampling removed: Russian roulette between the yarns, and both nets of their media. 0
         /// in the mean.
@@ -22,8 +22,8 @@ fractions! {
     }
 }
 
-/// Where the light of a beam onto a cloth went, as fractions of the incident flux at one wavelength. Single precision
-/// rounds its residual.
+/// Energy ledger of a beam onto a cloth, as fractions of the incident flux at one wavelength. Its residual is 0 to the
+/// rounding of single precision.
 pub type ClothLedger = LedgerOf<ClothFraction, { ClothFraction::COUNT }>;
 
 impl ClothLedger {

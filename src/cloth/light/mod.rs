@@ -1,9 +1,9 @@
-//! Light in a woven cloth, the endless weave of smooth tubes: a parallel beam comes in, and light goes on until it has left above
-//! or below, or is absorbed.
+//! Light in a woven cloth, an endless weave of smooth tubes. Light of a parallel beam is traced until it leaves above
+//! or below the cloth or is absorbed.
 //!
-//! A [`Scene`] is what light meets; each [`Integrator`] is one way to follow it there. [`Bounces`] goes from yarn to yarn by their
-//! responses f*, [`Volumetric`] through the media of the yarns; direct light, which a camera's rays see, is `rig::Direct`. What
-//! happens in the air is the same for both.
+//! A [`Scene`] describes cloth, yarns and backing; each [`Integrator`] is one method to trace light in it. [`Bounces`]
+//! traces from yarn to yarn by their responses f*, [`Volumetric`] through the media of the yarns; both share the
+//! tracing in the air. Direct light at the ends of camera rays is `rig::Direct`.
 
 mod air;
 mod beam;

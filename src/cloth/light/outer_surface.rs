@@ -4,26 +4,26 @@ use crate::optics::fresnel::{self, Interface};
 use crate::yarn::Yarn;
 use rand::{Rng, RngExt};
 
-/// Surfaces inside that a ray meets at most; what has not left by then scatters.
+/// Upper limit of internal hits of a ray; light that has not left by then counts as scattered.
 const INNER_HITS: usize = 16;
 
-/// Optical depth past which nothing of a ray is left, 1e-6 of its light.
+/// Optical depth beyond which the light of a ray is neglected (about 1e-6 of it).
 const OPAQUE: f64 = 14.0;
 
-/// The surface of one system's yarns, for rays that meet no particle. Dispersion of the host parts rays of different wavelengths; all
-/// go the way of the middle one.
+/// Smooth surface of one system's yarns, for unscattered rays. Dispersion of the host would separate rays of different
+/// wavelengths; the index at the middle wavelength is used for all.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OuterSurface {
     pub index: f64,
-    /// Way through the medium after which nothing is left at its clearest wavelength.
+    /// Path length in the medium, mm, after which the light is negligible even at the most transparent wavelength.
     longest_mm: f64,
 }
 
-/// A ray behind a yarn.
+/// A ray that has passed through a yarn.
 pub(super) struct Passage {
     pub position: Vec3,
     pub direction: Vec3,
-    /// In the medium.
+    /// Path length in the medium, mm.
     pub length_mm: f64,
 }
 
@@ -37,13 +37,13 @@ impl OuterSurface {
         }
     }
 
-    /// The outer surface as a ray along `direction` meets it.
+    /// Interface at the outer surface for a ray along `direction`.
     pub fn outside(&self, hit: &Hit, direction: &Vec3) -> Interface {
         fresnel::interface(cos_in(hit, direction), self.index)
     }
 
-    /// Where a ray comes out that the outer surface does not reflect: at each surface inside it is reflected with the probability of
-    /// the reflectance. `None` if nothing is left of it before.
+    /// Traces a refracted ray through the yarn. At each internal hit it is reflected with a probability equal to the
+    /// reflectance. `None` if its light becomes negligible before it leaves.
     pub fn passage(
         &self,
         cloth: &Cloth,
@@ -60,7 +60,7 @@ impl OuterSurface {
         for _ in 0..INNER_HITS {
             let step_mm = cloth.inside_distance(system, position.into(), direction.into(), f64::INFINITY);
             length_mm += step_mm;
-            // A search that found no surface is infinitely far.
+            // An infinite length means that no surface was found.
             if length_mm.is_infinite() || length_mm > self.longest_mm {
                 return None;
             }
@@ -82,7 +82,7 @@ impl OuterSurface {
     }
 }
 
-/// Unit direction of a ray that the outer surface reflects.
+/// Unit direction of a ray after specular reflection at the outer surface.
 pub(super) fn mirrored(hit: &Hit, direction: &Vec3) -> Vec3 {
     direction + hit.frame.normal * (2.0 * cos_in(hit, direction))
 }
@@ -91,7 +91,7 @@ fn cos_in(hit: &Hit, direction: &Vec3) -> f64 {
     (-hit.frame.normal.dot(direction)).clamp(0.0, 1.0)
 }
 
-/// Unit direction behind an interface whose `normal` points back to where the light comes from; `ratio` = n_i/n_t.
+/// Unit direction after refraction. `normal` points to the side the light comes from; `ratio` = n_i/n_t.
 fn refracted(direction: &Vec3, normal: &Vec3, cos_i: f64, cos_t: f64, ratio: f64) -> Vec3 {
     (direction * ratio + normal * (ratio * cos_i - cos_t)).normalize()
 }

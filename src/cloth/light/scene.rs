@@ -2,17 +2,17 @@ use super::YarnSurface;
 use crate::cloth::Cloth;
 use crate::yarn::Yarn;
 
-/// What light meets: a cloth, what its yarns are, and what lies under it. It knows no way to follow light.
+/// Cloth, yarns, surface and backing that light meets. Independent of the method that traces the light.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     pub cloth: &'a Cloth,
-    /// Of warp and weft, with the same wavelengths.
+    /// Yarns of warp and weft, with the same wavelengths.
     pub yarns: [&'a Yarn; 2],
-    /// Reflectance, at each wavelength, of a perfectly rough plane right under the cloth; `None` where light goes on.
+    /// Reflectance, at each wavelength, of a Lambertian plane directly under the cloth; `None` without a backing.
     pub backing: Option<&'a [f64]>,
-    /// What becomes of light that the outer surface of a yarn reflects.
+    /// How the outer surface of a yarn reflects light.
     pub surface: YarnSurface,
-    /// Of all random numbers.
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 

@@ -7,19 +7,19 @@ use crate::optics::fresnel::Interface;
 use crate::transport::{Purpose, Stream};
 use rand::{Rng, RngExt};
 
-/// Light that no particle of a medium scatters and surfaces alone turn. It goes the way of a ray, which is the same at all wavelengths;
-/// what is left of it is worked out from its lengths in warp and weft where it is caught.
+/// Light that only smooth interfaces deflect (specular paths). The path is the same at all wavelengths; the weights
+/// follow from its lengths in warp and weft when it reaches the detector.
 pub(super) struct SpecularPaths<'a> {
     light: &'a YarnToYarn<'a>,
     surfaces: [OuterSurface; 2],
-    /// Whether the outer surface is one; otherwise what it reflects is spread, or lost.
+    /// Whether the outer surface reflects specularly; otherwise reflected light is spread by fibres, or lost.
     mirrors: bool,
 }
 
 struct Ray {
     position: Vec3,
     direction: Vec3,
-    /// What outer surfaces left of the light.
+    /// Fraction of the light that the outer surfaces left.
     weight: f64,
     length_mm: [f64; 2],
     yarns: usize,
@@ -34,7 +34,7 @@ impl<'a> SpecularPaths<'a> {
         }
     }
 
-    /// What `detector` catches of it, as a fraction of the beam: [bin][wavelength].
+    /// Light scored by `detector`, as a fraction of the beam: `[bin][wavelength]`.
     pub fn caught<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize, particles: usize) -> Vec<Vec<f64>> {
         let light = self.light;
         let mut rng = Stream::open(light.scene.seed, Purpose::Straight, beam.number, batch, 0);
@@ -64,8 +64,8 @@ impl<'a> SpecularPaths<'a> {
         caught
     }
 
-    /// Follows a ray in the air until it has left the cloth and is caught. At a surface it is reflected with the probability of
-    /// the reflectance.
+    /// Traces a ray until it leaves the cloth, and scores it. At each surface it is reflected with a probability equal
+    /// to the reflectance.
     fn follow<D: Detector>(&self, mut ray: Ray, detector: &D, caught: &mut [Vec<f64>], rng: &mut impl Rng) {
         let light = self.light;
         while let Some(hit) = light.scene.cloth.first_hit(ray.position, ray.direction) {
@@ -94,7 +94,7 @@ impl<'a> SpecularPaths<'a> {
         });
     }
 
-    /// Takes a ray through the yarn that it has met; false if nothing comes out.
+    /// Traces a ray through the yarn it meets; false if no light leaves.
     fn through(&self, ray: &mut Ray, hit: &Hit, outside: &Interface, rng: &mut impl Rng) -> bool {
         let k = hit.yarn.system.index();
         let Some(Passage {

@@ -1,13 +1,13 @@
 use crate::shading::FibreGloss;
 
-/// What becomes of light that the outer surface of a yarn reflects on its way in. How much that is, Fresnel's equations of
-/// the smooth surface say in every case.
+/// How the outer surface of a yarn distributes the light it reflects. The amount is the Fresnel reflectance of the
+/// smooth surface in every case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum YarnSurface {
-    /// It is left out, and the ledger says how much that is: the cloth of f* without gloss.
+    /// Reflected light is discarded and recorded in the ledger: the cloth of f* without gloss.
     Lost,
-    /// A mirror sends it on.
+    /// Specular reflection.
     Smooth,
-    /// Fibres send it on, spread out.
+    /// Reflection spread by the fibres of the surface.
     Fibres(FibreGloss),
 }

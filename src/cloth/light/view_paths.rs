@@ -6,53 +6,55 @@ use crate::geometry::Vec3;
 use crate::transport::{Purpose, Stream};
 use std::ops::Range;
 
-/// Where light that a view sees comes from: points of yarns and of the backing that its camera rays meet, straight or on through
-/// yarns by their surfaces alone. What surfaces turn on its way to the view thus has no need to be caught there.
+/// Paths traced from a view: vertices on yarns and on the backing that its camera rays reach, directly or through yarns
+/// along specular paths. Light deflected by smooth interfaces on its way to the view is thus included without a
+/// detector cone.
 pub struct ViewPaths {
-    /// Of each end its group, ascending: [`Vertex::group`].
+    /// Group of each vertex, ascending: [`Vertex::group`].
     groups: Vec<usize>,
     ends: Vec<Vertex>,
-    /// What of the light of an end arrives: end × wavelength, wavelength fastest.
+    /// Fraction of a vertex's light that reaches the view: vertex × wavelength (fastest).
     weights: Vec<f32>,
     wavelengths: usize,
-    /// Camera rays, even over the cell of the cloth's plane.
+    /// Number of camera rays, uniform over the unit cell in the cloth's plane.
     pub(super) rays: usize,
 }
 
-/// One of the points.
+/// A point at which a camera ray meets a yarn or the backing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
     place: usize,
     pub position: Vec3,
-    /// Of the yarn; unit vector out of it.
+    /// Outward unit normal of the yarn.
     pub normal: Vec3,
-    /// Unit vector in which light leaves that arrives at the view.
+    /// Unit vector along which light leaves the vertex to reach the view.
     pub towards: Vec3,
-    /// Yarns between it and the view.
+    /// Number of yarns between the vertex and the view.
     pub yarns: usize,
-    /// 1/mm²: of a yarn, over the surface of the place per radian of the normal; of the backing, over the place's area.
+    /// 1/mm². On a yarn: 1 over the surface area of its segment per radian of the normal; on the backing: 1 over the
+    /// area of its square.
     pub per_surface: f64,
 }
 
 impl Vertex {
-    /// Ends of one place with no yarn between come first, then its others.
+    /// Group of the vertex: for each place, first the vertices that see the view directly, then the others.
     fn group(&self) -> usize {
         2 * self.place + usize::from(self.yarns > 0)
     }
 }
 
-/// Light of one end: what arrives of it, and for how many ends of the place it stands.
+/// A chosen vertex: the fraction of its light that reaches the view, and the number of vertices it represents.
 pub(super) struct Seen<'a> {
     pub end: &'a Vertex,
     pub weights: &'a [f32],
     pub of_ends: f64,
 }
 
-/// A yarn's scattering forgets where along a short piece of the yarn light came in, and the backing's where in a small square: pieces
-/// and squares of the cell, numbered.
+/// Numbered segments of yarn and squares of the backing in the unit cell. Connections ignore the position of the entry
+/// point within a segment or square.
 #[derive(Clone, Debug)]
 pub struct Segments {
-    /// Pieces of one yarn of warp and weft, and the first number of each system, and of the backing.
+    /// Number of segments of one yarn of warp and weft, and first index of each system and of the backing.
     pieces: [usize; 2],
     first: [usize; 3],
     squares: [usize; 2],
@@ -60,7 +62,7 @@ pub struct Segments {
 }
 
 impl Segments {
-    /// Pieces of yarn, and sides of squares, are as long as this at most.
+    /// `piece_mm` and `square_mm` are the largest lengths of a segment and of the side of a square, mm.
     pub fn new(cloth: &Cloth, piece_mm: f64, square_mm: f64) -> Self {
         let count = |length: f64, most: f64| (length / most).ceil() as usize;
         let cell_mm = cloth.cell_mm();
@@ -75,7 +77,7 @@ impl Segments {
         }
     }
 
-    /// Number of the piece of yarn that light meets.
+    /// Index of the segment of yarn that light meets.
     pub(super) fn of_yarn(&self, cloth: &Cloth, hit: &Hit) -> usize {
         let system = hit.yarn.system;
         let k = system.index();
@@ -103,7 +105,8 @@ impl Segments {
 }
 
 impl ViewPaths {
-    /// Of one view, above the cloth; `view` is a unit vector, and `number` tells the random streams of views apart.
+    /// Traces the paths of one view above the cloth. `view` is the unit vector towards it; `number` separates the
+    /// random streams of views.
     pub fn new(light: &YarnToYarn, segments: &Segments, view: &Vec3, number: usize, batch: usize, rays: usize) -> Self {
         let cloth = light.scene.cloth;
         let wavelengths = light.wavelengths();
@@ -120,7 +123,7 @@ impl ViewPaths {
         );
         let mut rng = stream(1);
         let surfaces = light.surfaces();
-        // What fibres reflect is shown where they do.
+        // Light reflected by fibres is connected to the view at the point of reflection.
         let mirror = match light.scene.surface {
             YarnSurface::Smooth => YarnSurface::Smooth,
             YarnSurface::Lost | YarnSurface::Fibres(_) => YarnSurface::Lost,
@@ -184,22 +187,22 @@ impl ViewPaths {
         }
     }
 
-    /// One end of a place for all of those with no yarn between, or for all others, by a uniform random number in [0, 1); none where
-    /// there is none.
-    pub(super) fn at(&self, place: usize, past_yarns: bool, even: f64) -> Option<Seen<'_>> {
+    /// Chooses one vertex of a place by a uniform random number in [0, 1): among those behind other yarns if
+    /// `past_yarns`, else among those that see the view directly. `None` if there is none.
+    pub(super) fn at(&self, place: usize, past_yarns: bool, uniform: f64) -> Option<Seen<'_>> {
         let group = 2 * place + usize::from(past_yarns);
-        self.one_of(group..group + 1, even)
+        self.one_of(group..group + 1, uniform)
     }
 
-    /// The same for all ends of the place.
-    pub(super) fn at_any(&self, place: usize, even: f64) -> Option<Seen<'_>> {
-        self.one_of(2 * place..2 * place + 2, even)
+    /// Chooses one vertex among all those of a place, in the same way.
+    pub(super) fn at_any(&self, place: usize, uniform: f64) -> Option<Seen<'_>> {
+        self.one_of(2 * place..2 * place + 2, uniform)
     }
 
-    fn one_of(&self, groups: Range<usize>, even: f64) -> Option<Seen<'_>> {
+    fn one_of(&self, groups: Range<usize>, uniform: f64) -> Option<Seen<'_>> {
         let [first, next] = [groups.start, groups.end].map(|group| self.groups.partition_point(|g| *g < group));
         let count = next - first;
-        let k = first + ((even * count as f64) as usize).min(count.checked_sub(1)?);
+        let k = first + ((uniform * count as f64) as usize).min(count.checked_sub(1)?);
         Some(Seen {
             end: &self.ends[k],
             weights: &self.weights[k * self.wavelengths..(k + 1) * self.wavelengths],
@@ -207,7 +210,7 @@ impl ViewPaths {
         })
     }
 
-    /// Those on the backing with nothing between.
+    /// Vertices on the backing that see the view directly.
     pub(super) fn bare(&self, segments: &Segments) -> impl Iterator<Item = &Vertex> {
         let on_backing = self.groups.partition_point(|group| *group < 2 * segments.first[2]);
         self.ends[on_backing..].iter().filter(|end| end.yarns == 0)

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::cell::RefCell;
 use std::f64::consts::PI;
 
-/// The yarns of one system as a body: a point in one of them is in it until it leaves that one.
+/// The yarns of one system as a body for the kernel: a path inside a yarn stays in that yarn until it leaves.
 #[derive(Clone, Copy, Debug)]
 pub struct Inside<'a> {
     pub cloth: &'a Cloth,
@@ -32,8 +32,8 @@ impl Shape for Inside<'_> {
     }
 }
 
-/// Light traced through the medium of every yarn it meets: refraction at each surface, scattering inside, and on to the
-/// next yarn, with no f* between. The kernel is that of a single yarn.
+/// Volumetric integrator: traces light through the medium of every yarn it meets, with refraction at each surface and
+/// scattering inside, without f*. The kernel is that of a single yarn.
 pub struct Volumetric<'a> {
     scene: Scene<'a>,
     /// Groups of wavelengths that share paths, in the media of warp and weft.
@@ -41,16 +41,16 @@ pub struct Volumetric<'a> {
     particles: usize,
 }
 
-/// Streams of one batch: the air's, then one for each walk.
+/// Number of random streams of one wavelength in one batch: one for the air, then one for each trace through yarns.
 const STREAMS_OF_WAVELENGTH: usize = 1 << 24;
 
 impl<'a> Volumetric<'a> {
-    /// `particles` of a beam in a batch.
+    /// `particles`: number per beam and batch.
     ///
     /// # Errors
-    /// A medium that paths cannot be traced in.
+    /// [`YarnError`] if paths cannot be traced in a medium.
     pub fn new(scene: Scene<'a>, particles: usize) -> Result<Self, YarnError> {
-        // Paths go through both media, so one that parts the wavelengths parts them in both.
+        // Paths cross both media, so if one medium requires independent paths, both get them.
         let shared = (scene.yarns.iter()).all(|yarn| yarn.estimator_in_use() == Estimator::Shared);
         let estimator = if shared {
             Estimator::Shared
@@ -66,7 +66,7 @@ impl<'a> Volumetric<'a> {
         })
     }
 
-    /// Batch number `batch` of a beam, at all wavelengths.
+    /// Traces batch `batch` of a beam at all wavelengths.
     pub fn batch<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize) -> ClothBatch {
         let mut all = ClothBatch {
             ledger: Vec::new(),
@@ -123,7 +123,7 @@ impl<'a> Volumetric<'a> {
         air.into_inner().batch(self.particles)
     }
 
-    /// Takes what waits at the yarns of a system through them.
+    /// Traces the particles waiting at the yarns of a system through these yarns.
     fn through<D: Detector>(
         &self,
         system: System,
@@ -142,7 +142,7 @@ impl<'a> Volumetric<'a> {
             roulette: self.scene.yarns[0].roulette,
         };
         let mut coming = waiting.arrivals.iter().zip(waiting.weights.chunks_exact(wavelengths));
-        // What is lost the walk's ledger holds.
+        // Discarded reflections are already in the ledger of the trace.
         let goes_on = self.scene.surface != YarnSurface::Lost;
         let mut reflected = vec![0.0; wavelengths];
         let traced = walk.trace_incident(
@@ -187,7 +187,7 @@ impl<'a> Volumetric<'a> {
     }
 }
 
-/// There are as many entries as paths; this one is never asked for.
+/// Placeholder: there are as many entries as paths, so this one is never used.
 const NOWHERE: Entry = Entry {
     position: Vec3::new(0.0, 0.0, 0.0),
     normal: Vec3::new(0.0, 0.0, 1.0),

@@ -9,15 +9,15 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// Light scattered from yarn to yarn by their responses f*.
 ///
-/// A particle that meets a yarn is, in part, reflected by its surface; the part that crosses without meeting a particle of the
-/// medium goes on through the smooth tube, refracted at each side; of the rest, a table that goes with the yarn's f* says how much
-/// leaves where on the section, by where on it light came in, and f* in what direction. All of it leaves at the place along the yarn
-/// where it came in.
+/// Light that meets a yarn is split three ways. Part is reflected by the outer surface. Part crosses the smooth tube
+/// unscattered, refracted at entry and exit. The rest is scattered: the yarn transfer gives the azimuth of exit on the
+/// section for the azimuth of entry, and f* gives the exit direction; it leaves at the position along the yarn where it
+/// entered.
 pub struct YarnToYarn<'a> {
     pub scene: Scene<'a>,
-    /// Of warp and weft.
+    /// Samplers of warp and weft.
     pub scatter: [&'a YarnSampler; 2],
-    /// Yarns that light may go on to after the first it met; what would go on further is cut, and the ledger says how much that is.
+    /// Largest number of yarns met after the first; light beyond it is cut and recorded in the ledger.
     pub most: usize,
 }
 
@@ -30,7 +30,7 @@ impl YarnToYarn<'_> {
         self.scene.yarns.map(OuterSurface::new)
     }
 
-    /// Sends on what crosses the yarn of the light inside; leaves in `parts.inside` what does not.
+    /// Launches the light inside that crosses the yarn unscattered; on return `parts.inside` is the rest.
     pub(super) fn cross<D: Detector>(
         &self,
         (yarn, outer): (&Yarn, &OuterSurface),
@@ -83,8 +83,8 @@ impl YarnToYarn<'_> {
         for ((out, inside), worth) in parts.out.iter_mut().zip(&parts.inside).zip(scatter.worth(&leaving)) {
             *out = inside * worth;
         }
-        // The draw is worth the albedo in the mean only. A medium that absorbs nothing has an albedo of 1, whatever the noise of
-        // the table made of it.
+        // The weights after the draw equal the albedo only in the mean. A medium that does not absorb has an albedo of
+        // 1, whatever the noise of the table.
         let albedo = scatter.albedo(meeting).iter().zip(absorbs());
         let kept = parts.inside.iter().zip(albedo);
         let kept = kept.map(|(inside, (albedo, absorbs))| if absorbs { inside * (1.0 - albedo) } else { 0.0 });
@@ -108,7 +108,7 @@ impl YarnToYarn<'_> {
     }
 }
 
-/// Weights of one particle at every wavelength: inside and not ballistic, and on the way out.
+/// Weights of one particle at every wavelength: inside and not ballistic, and leaving.
 pub(super) struct Parts {
     pub inside: Vec<f64>,
     pub out: Vec<f64>,
@@ -122,7 +122,7 @@ impl Parts {
         }
     }
 
-    /// Splits light that meets a yarn: what its surface reflects, `out`, and what goes in, `inside`.
+    /// Splits light that meets a yarn into the part its surface reflects, `out`, and the part that enters, `inside`.
     pub fn enter(&mut self, outer: &OuterSurface, arrival: &Arrival, weights: &[f32]) -> Interface {
         let entry = outer.outside(&arrival.hit, &-arrival.omega_in);
         for ((inside, out), weight) in self.inside.iter_mut().zip(&mut self.out).zip(weights) {
@@ -133,7 +133,7 @@ impl Parts {
     }
 }
 
-/// Catches nothing.
+/// A detector without bins.
 pub(super) struct Nothing;
 
 impl Detector for Nothing {

@@ -5,10 +5,10 @@ use std::iter::zip;
 use std::ops::RangeInclusive;
 
 use crate::formats::descriptor::{Descriptor, Holds, Input, Reader, USUAL_SIZES, Writer};
-use crate::formats::error::{FormatError, Place};
+use crate::formats::error::{FormatError, Location};
 use crate::formats::write::columns;
 use crate::goniometric::{
-    Channels, Component, Directions, Format, Goniometric, Provenance, Quantity, Scatter, Scattered, Side, Table,
+    ChannelSet, Component, Directions, FileProvenance, Format, Goniometric, Quantity, Scatter, Scattered, Side, Table,
 };
 use crate::spectrum::{WavelengthGrid, plausibility};
 use crate::text::{CsvError, CsvTable, Heading, heading, remedy_for_brdf};
@@ -41,14 +41,15 @@ const SPHERE: [(&str, RangeInclusive<f64>); 4] = [
 /// Brightness factors and their errors are at most this.
 const LARGEST: f64 = 1e30;
 
-/// Columns: angles in degrees as above, theta_o beyond 90 of transmission; then `wavelength_nm,beta`, or a column a wavelength,
-/// or `beta_r,beta_g,beta_b`, `beta_x,beta_y,beta_z` or `beta`; then standard errors, the same names with `_se`, all or none.
+/// Columns: angles in degrees as above, theta_o beyond 90 of transmission; then `wavelength_nm,beta`, or a column a
+/// wavelength, or `beta_r,beta_g,beta_b`, `beta_x,beta_y,beta_z` or `beta`; then standard errors, the same names with
+/// `_se`, all or none.
 fn read(input: &Input) -> Result<Goniometric, FormatError> {
     parse(input.path, input.bytes).map_err(|e| format_error(&e))
 }
 
 fn format_error(of: &CsvError) -> FormatError {
-    let place = Place::Row {
+    let place = Location::Row {
         line: of.line,
         column: of.column.as_deref().map(Into::into),
     };
@@ -62,7 +63,7 @@ fn format_error(of: &CsvError) -> FormatError {
 }
 
 /// Which column holds what.
-struct Layout {
+struct ReadingLayout {
     directions: Directions,
     angles: Vec<(usize, RangeInclusive<f64>)>,
     wavelength: Option<usize>,
@@ -71,7 +72,7 @@ struct Layout {
     errors: Vec<usize>,
 }
 
-impl Layout {
+impl ReadingLayout {
     fn of(table: &CsvTable) -> Result<Self, Box<CsvError>> {
         let (directions, angle_columns) = match table.column("phi_o_deg") {
             Some(_) => (Directions::Sphere, &SPHERE[..]),
@@ -167,7 +168,7 @@ struct Readings {
 }
 
 impl Readings {
-    fn take(&mut self, table: &CsvTable, layout: &Layout, row: usize) -> Result<(), Box<CsvError>> {
+    fn take(&mut self, table: &CsvTable, layout: &ReadingLayout, row: usize) -> Result<(), Box<CsvError>> {
         let mut degrees = Vec::with_capacity(layout.angles.len());
         for (column, range) in &layout.angles {
             let expected = format!("an angle from {} to {} degrees", range.start(), range.end());
@@ -311,7 +312,7 @@ fn twice(table: &CsvTable, row: usize, first: usize) -> Box<CsvError> {
 
 fn parse(path: &str, bytes: &[u8]) -> Result<Goniometric, Box<CsvError>> {
     let table = CsvTable::parse(path, bytes)?.long()?;
-    let layout = Layout::of(&table)?;
+    let layout = ReadingLayout::of(&table)?;
     let mut readings = Readings::default();
     for row in 0..table.len() {
         readings.take(&table, &layout, row)?;
@@ -331,13 +332,13 @@ fn parse(path: &str, bytes: &[u8]) -> Result<Goniometric, Box<CsvError>> {
                 return Err(table.row_error(row_of(other), &expected, &found, remedy));
             }
             let remedy = "give wavelengths above 0 nm";
-            Channels::Wavelengths(
+            ChannelSet::Wavelengths(
                 WavelengthGrid::new(nm).map_err(|e| table.header_error("wavelengths", &e.to_string(), remedy))?,
             )
         }
-        (None, 1) => Channels::Monochrome,
-        (None, _) if table.column("beta_r").is_some() => Channels::Rgb,
-        (None, _) => Channels::Xyz,
+        (None, 1) => ChannelSet::Monochrome,
+        (None, _) if table.column("beta_r").is_some() => ChannelSet::Rgb,
+        (None, _) => ChannelSet::Xyz,
     };
     let scattered = Scattered::new(
         layout.directions,
@@ -348,9 +349,9 @@ fn parse(path: &str, bytes: &[u8]) -> Result<Goniometric, Box<CsvError>> {
     .map_err(|pair| twice(&table, row_of(pair.1), row_of(pair.0)))?;
     let errors = (!layout.errors.is_empty()).then(|| readings.concat(|point| &point.errors));
     let scattered = scattered.with_errors(errors);
-    let provenance = Provenance {
+    let provenance = FileProvenance {
         comments: table.comments().to_vec(),
-        ..Provenance::default()
+        ..FileProvenance::default()
     };
     Ok(Goniometric {
         format: FORMAT.format,

@@ -1,6 +1,7 @@
 //! The list of formats, and what is done with any of them: told, read and written.
 //!
-//! A format is one file of this folder, which provides its descriptor, and is named twice here: as a module and in the list.
+//! A format is one file of this folder, which provides its descriptor, and is named twice here: as a module and in the
+//! list.
 
 mod astm;
 mod csv_readings;

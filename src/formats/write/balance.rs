@@ -1,4 +1,5 @@
-//! What resampling does to hemispherical values, and how it is undone: each incidence is scaled back to the source's value.
+//! What resampling does to hemispherical values, and how it is undone: each incidence is scaled back to the source's
+//! value.
 
 use super::sampling::ChannelMap;
 use crate::goniometric::{Component, Hemispherical};
@@ -47,8 +48,8 @@ fn keep_larger(kept: &mut Option<Change>, change: Change) {
 }
 
 impl Balance {
-    /// What each channel of a table is to be multiplied by at an incidence for the source's hemispherical values; 1 where that
-    /// cannot be known.
+    /// What each channel of a table is to be multiplied by at an incidence for the source's hemispherical values; 1
+    /// where that cannot be known.
     pub(super) fn factors(
         &mut self,
         theta_i_deg: f64,

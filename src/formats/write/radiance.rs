@@ -9,7 +9,7 @@ use super::balance::Balance;
 use super::sampling::{ChannelMap, Sampler, clipped};
 use crate::geometry::Vec3;
 use crate::goniometric::{
-    Channels, Component, Format, Hemisphere, Hemispherical, KlemsBasis, KlemsMatrix, Provenance, Scatter, Side,
+    ChannelSet, Component, FileProvenance, Format, Hemisphere, Hemispherical, KlemsBasis, KlemsMatrix, Scatter, Side,
     SpecularTable, Table, angles_of, rounded_deg,
 };
 
@@ -19,8 +19,8 @@ const INCIDENT: usize = 2;
 /// Share of a patch that the points of an integral stand for, from which on they are its mean.
 const COVERED: f64 = 0.5;
 
-/// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z. Specular fractions are
-/// on their diagonals.
+/// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z. Specular fractions
+/// are on their diagonals.
 pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
     let (components, provenance) = (content.components, content.provenance);
     let mut matrices: Vec<(&Component, KlemsMatrix)> = Vec::new();
@@ -77,7 +77,7 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
     Ok(text.into_bytes())
 }
 
-fn name(provenance: &Provenance) -> String {
+fn name(provenance: &FileProvenance) -> String {
     let stated = provenance
         .statements
         .iter()
@@ -132,8 +132,9 @@ fn block(text: &mut String, component: &Component, matrix: &KlemsMatrix, wavelen
     *text += "</ScatteringData>\n</WavelengthDataBlock>\n</WavelengthData>\n";
 }
 
-/// Means of f over pairs of patches. Of an exiting patch it is ∫ f cos θ dω over it, by the points of the integral over the
-/// hemisphere, so that hemispherical values stay those of the source; incident directions are even in projected solid angle.
+/// Means of f over pairs of patches. Of an exiting patch it is ∫ f cos θ dω over it, by the points of the integral over
+/// the hemisphere, so that hemispherical values stay those of the source; incident directions are even in projected
+/// solid angle.
 fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) -> Result<KlemsMatrix, WriteError> {
     let basis = KlemsBasis::named("LBNL/Klems Full").ok_or_else(|| WriteError::CannotHold {
         format,
@@ -143,7 +144,7 @@ fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) ->
     })?;
     let sampler = Sampler::new(component, format)?;
     let map = ChannelMap::to_xyz(&component.channels, notices)?;
-    let channels = if component.channels == Channels::Monochrome {
+    let channels = if component.channels == ChannelSet::Monochrome {
         1
     } else {
         3

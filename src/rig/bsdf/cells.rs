@@ -4,11 +4,11 @@ use crate::formats::KlemsBasis;
 use crate::geometry::Vec3;
 use rand::{Rng, RngExt};
 
-/// The incident and outgoing directions of a full measurement, on either side of the cloth alike. A cell below the cloth is
-/// the one above it with z reversed.
+/// Cells of incident and outgoing directions of a full measurement, the same on both sides of the cloth. A cell below
+/// the cloth is the cell above with z reversed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cells {
-    /// Beams from the nodes but those of the horizon; outgoing light is shared out among the nodes around it.
+    /// Beams from all nodes above the horizon; outgoing light is distributed over the four nodes around it.
     Nodes(HemisphereNodes),
     /// Means over pairs of patches. Light of incident patch k comes from the patch opposite in azimuth to k, as in
     /// [`crate::formats::KlemsMatrix`].
@@ -16,7 +16,7 @@ pub enum Cells {
 }
 
 impl Cells {
-    /// Cells of a hemisphere.
+    /// Number of cells of a hemisphere.
     pub fn count(&self) -> usize {
         match self {
             Self::Nodes(nodes) => nodes.count(),
@@ -24,7 +24,7 @@ impl Cells {
         }
     }
 
-    /// Cells that light comes from: this many, from the first on.
+    /// Number of incident cells: the first ones of the hemisphere.
     pub fn incident(&self) -> usize {
         match self {
             Self::Nodes(nodes) => nodes.node(nodes.rings(), 0),
@@ -32,7 +32,7 @@ impl Cells {
         }
     }
 
-    /// ∫ cosθ dω, sr, that turns a caught fraction of a beam into f.
+    /// ∫ cosθ dω of a cell, sr: a scored fraction of the beam divided by it is f.
     pub fn projected_solid_angle(&self, cell: usize) -> f64 {
         match self {
             Self::Nodes(nodes) => nodes.projected_solid_angle(cell),
@@ -40,7 +40,7 @@ impl Cells {
         }
     }
 
-    /// Upward unit vector along a node or through the middle of a patch.
+    /// Upward unit vector along a node or through the centre of a patch.
     pub fn centre(&self, cell: usize) -> Vec3 {
         match self {
             Self::Nodes(nodes) => {
@@ -52,9 +52,9 @@ impl Cells {
         }
     }
 
-    /// Upward unit vector towards the light of a batch. The batches cover a patch evenly in projected solid angle, by a
-    /// lattice with a random shift that `rng` gives, the same one for each batch; so their mean has no bias, and their
-    /// spread also holds that of f over the patch.
+    /// Upward unit vector towards the light of a batch. Over the batches it covers a patch uniformly in projected solid
+    /// angle, by a lattice with a random shift from `rng`, which must be the same for each batch. The mean over batches
+    /// is therefore unbiased, and their spread includes the variation of f over the patch.
     pub(super) fn towards_light(&self, cell: usize, batch: usize, batches: usize, mut rng: impl Rng) -> Vec3 {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         match self {
@@ -76,8 +76,8 @@ impl Cells {
         }
     }
 
-    /// The cell a symmetry takes a cell to, of outgoing and, as the symmetries and the opposite commute, of incident
-    /// directions.
+    /// Image of a cell under a symmetry. It holds for outgoing and incident cells alike, because symmetries commute
+    /// with the reversal of a direction.
     pub(super) fn image(&self, cell: usize, symmetry: &Symmetry) -> usize {
         let mut d = symmetry.apply(&self.centre(cell));
         d.z = d.z.abs();
@@ -92,7 +92,7 @@ fn opposite(d: &Vec3) -> Vec3 {
     Vec3::new(-d.x, -d.y, d.z)
 }
 
-/// Bins: the cells above the cloth, then those below.
+/// Bins are the cells above the cloth, then those below.
 impl Detector for Cells {
     fn bins(&self) -> usize {
         2 * self.count()

@@ -6,7 +6,8 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use std::ops::Index;
 
-/// Fractions kept of an incidence at a wavelength: those of the ledger, then the whole transmission.
+/// Number of quantities stored for an incidence and wavelength: the fractions of the ledger, then the total
+/// transmittance.
 pub(super) const QUANTITIES: usize = ClothFraction::COUNT + 1;
 
 pub(super) fn quantities(ledger: &[ClothLedger]) -> Vec<f64> {
@@ -18,14 +19,14 @@ pub(super) fn quantities(ledger: &[ClothLedger]) -> Vec<f64> {
     ledger.iter().flat_map(all).collect()
 }
 
-/// Where the light of one direction went, as fractions of its flux at one wavelength, each with its standard error.
-/// Indexed by fraction; that of [`ClothFraction::Reflected`] is the directional-hemispherical reflectance.
+/// Energy ledger of light from one direction at one wavelength: fractions of its flux with standard errors, indexed by
+/// fraction. [`ClothFraction::Reflected`] is the directional-hemispherical reflectance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HemisphericalRow {
     pub light_from: Side,
-    /// From the normal of that side.
+    /// Angle from the normal of that side, degrees.
     pub theta_i_deg: f64,
-    /// From the warp towards the weft, seen from the front.
+    /// Azimuth from the warp towards the weft, degrees, seen from the front.
     pub phi_i_deg: f64,
     pub wavelength_nm: f64,
     /// Directional-hemispherical transmittance: through yarns and gaps.
@@ -67,7 +68,7 @@ impl Serialize for HemisphericalRow {
 }
 
 impl Incidence {
-    /// Fractions of [`ClothFraction`], and the whole transmission.
+    /// Fractions in the order of [`ClothFraction`], and the total transmittance.
     pub(super) fn fractions(&self, wavelength: usize) -> ([Estimate; ClothFraction::COUNT], Estimate) {
         let of = |k: usize| self.ledger.estimate(wavelength * QUANTITIES + k);
         (std::array::from_fn(of), of(ClothFraction::COUNT))
@@ -75,7 +76,7 @@ impl Incidence {
 }
 
 impl FullBsdf {
-    /// Of every incidence that was traced, at each wavelength.
+    /// Ledger of every traced incidence at each wavelength.
     pub fn hemispherical(&self) -> Vec<HemisphericalRow> {
         let mut rows = Vec::new();
         for incidence in &self.incidences {
@@ -103,8 +104,7 @@ impl FullBsdf {
         rows
     }
 
-    /// Median over the values of f, at all wavelengths, of the standard error over the value; `None` where nothing is
-    /// scattered.
+    /// Median relative standard error over the values of f at all wavelengths; `None` if nothing is scattered.
     pub fn median_relative_error(&self) -> Option<f64> {
         let of = |incidence: &Incidence| {
             let values = (0..incidence.caught.sum.len()).map(|i| incidence.caught.estimate(i));

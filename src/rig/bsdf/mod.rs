@@ -1,7 +1,7 @@
 //! The full BSDF of the woven cloth: reflection and transmission over both hemispheres, at every wavelength.
 //!
-//! Coordinates are the cloth's own: +z out of its front, x along the warp, y along the weft. Light that meets no yarn is no
-//! part of f: it goes straight through the gaps, a fraction of its own.
+//! Coordinates are those of the cloth: +z out of its front, x along the warp, y along the weft. f does not include
+//! light that meets no yarn: it passes straight through the gaps and is a separate fraction.
 
 mod cells;
 mod hemispherical;
@@ -21,7 +21,7 @@ use crate::spectrum::WavelengthGrid;
 use crate::transport::{BatchSums, Estimate, Purpose, Stream};
 use rayon::prelude::*;
 
-/// What is measured, and how often.
+/// Directions, sides, symmetries and batches of a measurement.
 #[derive(Clone, Debug)]
 pub struct FullMeasurement {
     cells: Cells,
@@ -32,46 +32,47 @@ pub struct FullMeasurement {
     grid: WavelengthGrid,
 }
 
-/// Light from one direction, and where it went.
+/// Result for light from one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Incidence {
-    /// Where it comes from.
+    /// Side the light comes from.
     pub side: Side,
-    /// Of [`Cells`].
+    /// Incident cell, an index into [`Cells`].
     pub cell: usize,
-    /// Fractions of the beam, bin slowest, wavelength fastest.
+    /// Fractions of the beam in each bin: bin × wavelength (fastest).
     caught: BatchSums,
     /// [`hemispherical::QUANTITIES`] for each wavelength.
     ledger: BatchSums,
 }
 
-/// f between all pairs of directions, with standard errors.
+/// BSDF f between all pairs of directions, 1/sr, with standard errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FullBsdf {
     cells: Cells,
     sides: Vec<Side>,
     grid: WavelengthGrid,
     incidences: Vec<Incidence>,
-    /// For each side and incident cell the incidence that was traced for it, and what takes it there.
+    /// For each side and incident cell, the traced incidence that represents it and the symmetry that maps it there.
     placed: Vec<(usize, Symmetry)>,
 }
 
-/// Incidences to be traced, and for each side and incident cell which of them stands for it and what takes it there.
+/// Incidences to trace, and for each side and incident cell the one that represents it and the symmetry that maps it
+/// there.
 #[derive(Default)]
 struct Orbits {
     traced: Vec<(Side, usize)>,
     placed: Vec<(usize, Symmetry)>,
 }
 
-/// Most values of one table, 0.4 GB.
+/// Largest number of values of one table, 0.4 GB.
 const MOST_VALUES: usize = 50_000_000;
 
 impl FullMeasurement {
-    /// Of a group of symmetries, the identity among them, one incidence is traced for all that they take it to. With
-    /// `back` there is also light from the back.
+    /// Plans a measurement. `symmetries` is a group that includes the identity; one incidence is traced for all its
+    /// images. With `back`, light also comes from the back.
     ///
     /// # Errors
-    /// More values than memory should be asked for.
+    /// [`RigError`] if the tables would hold more than 50 million values.
     pub fn new(
         cells: Cells,
         symmetries: Vec<Symmetry>,
@@ -101,7 +102,7 @@ impl FullMeasurement {
         })
     }
 
-    /// The incidence a symmetry takes another to.
+    /// Image of an incidence under a symmetry.
     fn image(&self, (side, cell): (Side, usize), symmetry: &Symmetry) -> (Side, usize) {
         let side = match (side, symmetry.flip[2]) {
             (side, false) => side,
@@ -128,13 +129,14 @@ impl FullMeasurement {
         Orbits { traced, placed }
     }
 
-    /// Incidences that are traced, and bins that each is caught in.
+    /// Number of traced incidences, and number of bins for each.
     pub fn size(&self) -> [usize; 2] {
         [self.orbits().traced.len(), 2 * self.cells.count()]
     }
 
-    /// Traces every batch of every incidence with `light`, which gives the numbered batch of a beam at all wavelengths and
-    /// depends on nothing else: the result is the same for any number of threads. `progress` receives increments that add up to 1.
+    /// Traces every batch of every incidence with `light`, which returns batch `n` of a beam at all wavelengths and
+    /// must depend on nothing else: the result is then the same for any number of threads. `progress` receives
+    /// increments that add up to 1.
     pub fn measure(
         &self,
         light: impl Fn(&Beam, &Cells, usize) -> ClothBatch + Sync,
@@ -185,7 +187,7 @@ impl FullMeasurement {
         }
     }
 
-    /// The mean of what was caught over the symmetries that leave the light where it is.
+    /// Mean of the scored light over the symmetries that leave the incident direction unchanged.
     fn symmetrised(&self, caught: &[Vec<f64>], fixing: &[&Symmetry]) -> Vec<f64> {
         let wavelengths = self.grid.len();
         let mut mean = vec![0.0; caught.len() * wavelengths];
@@ -219,13 +221,13 @@ impl FullBsdf {
         &self.grid
     }
 
-    /// Those that were traced.
+    /// The traced incidences.
     pub fn incidences(&self) -> &[Incidence] {
         &self.incidences
     }
 
-    /// f in 1/sr at each wavelength, of light from an incident cell of a side towards a cell. Light from a side that was not
-    /// measured has none.
+    /// f in 1/sr at each wavelength, from incident cell `incident` of a side to cell `exiting`. Empty for a side that
+    /// was not measured.
     pub fn bsdf(&self, side: Side, incident: usize, scatter: Scatter, exiting: usize) -> Vec<Estimate> {
         let Some((incidence, symmetry)) = self.traced_for(side, incident) else {
             return Vec::new();

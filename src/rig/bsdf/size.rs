@@ -1,26 +1,26 @@
 use super::Cells;
 use crate::cloth::light::HemisphereNodes;
-use crate::formats::{Channels, Encoding, Format, resampled_nodes};
+use crate::formats::{ChannelSet, Encoding, Format, resampled_nodes};
 
-/// Bytes of a number of six digits and of one with all its digits, as 0.0312345 and 0.031234567890123456, and of what parts it
-/// from the next.
+/// Bytes of a number with six significant digits, as 0.0312345, and of one with all digits, as 0.031234567890123456,
+/// separator included.
 const SIX_DIGITS: f64 = 10.0;
 const ALL_DIGITS: f64 = 20.0;
 
 impl Cells {
-    /// Bytes that a file will have, within an eighth, as the numbers of a cloth are not all of one length. `None` of formats whose
-    /// files stay far below what can be read.
-    pub fn expected_bytes(&self, format: Format, encoding: Encoding, channels: &Channels) -> Option<u64> {
+    /// Expected size of a file, bytes, within an eighth, because the lengths of numbers vary. `None` for formats whose
+    /// files stay far below the limit for reading.
+    pub fn expected_bytes(&self, format: Format, encoding: Encoding, channels: &ChannelSet) -> Option<u64> {
         let Self::Nodes(nodes) = self else { return None };
         let pairs = (self.incident() - 1 + nodes.azimuths()) as f64 * (self.count() - 1 + nodes.azimuths()) as f64;
-        // With the azimuths that close the circle.
+        // Includes the repeated azimuth that closes the circle.
         let closed = |ring_nodes: usize| (1 + ring_nodes / nodes.azimuths()) * (nodes.azimuths() + 1);
         let closed_pairs = (closed(self.incident() - 1) * closed(self.count() - 1)) as f64;
         let values = channels.count() as f64;
         let bytes = match (format, encoding) {
             (Format::CSV, _) => match channels {
-                // A line for each wavelength, which it states.
-                Channels::Wavelengths(_) => pairs * values * (angle_bytes(nodes, in_degrees) + 4.0 + SIX_DIGITS),
+                // One line for each wavelength, which it states.
+                ChannelSet::Wavelengths(_) => pairs * values * (angle_bytes(nodes, in_degrees) + 4.0 + SIX_DIGITS),
                 _ => pairs * (angle_bytes(nodes, in_degrees) + values * SIX_DIGITS),
             },
             (Format::ASTM, _) => pairs * (angle_bytes(nodes, |rad| rad.to_string()) + values * SIX_DIGITS),
@@ -33,7 +33,7 @@ impl Cells {
     }
 }
 
-/// Of the four angles of a line, with commas, as `text` writes them.
+/// Mean bytes of the four angles of a line with commas, as written by `text`.
 fn angle_bytes(nodes: &HemisphereNodes, text: impl Fn(f64) -> String) -> f64 {
     let mean = |count: usize, angle: &dyn Fn(usize) -> f64| {
         let bytes: usize = (0..count).map(|k| 1 + text(angle(k)).len()).sum();

@@ -1,12 +1,12 @@
 use crate::cloth::{ClothSpec, Draft, System};
 use crate::geometry::Vec3;
 
-/// A turn or reflection that takes the axes of the cloth to themselves.
+/// A rotation or reflection that maps the axes of the cloth to themselves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Symmetry {
-    /// x and y are exchanged first.
+    /// Whether x and y are exchanged first.
     pub swap: bool,
-    /// Then these of x, y and z are reversed.
+    /// Which of x, y and z are then reversed.
     pub flip: [bool; 3],
 }
 
@@ -16,7 +16,7 @@ impl Symmetry {
         flip: [false; 3],
     };
 
-    /// Every one, the identity first.
+    /// All symmetries, the identity first.
     fn all() -> impl Iterator<Item = Self> {
         (0..16u8).map(|bits| Self {
             swap: bits & 8 != 0,
@@ -34,16 +34,16 @@ impl Symmetry {
         )
     }
 
-    /// Whether it is a turn, which leaves a screw what it is; a reflection makes a left-handed one of a right-handed.
+    /// Whether it is a rotation, which preserves handedness; a reflection reverses it.
     pub fn keeps_hand(&self) -> bool {
         let reversed = self.flip.iter().filter(|flip| **flip).count() + usize::from(self.swap);
         reversed.is_multiple_of(2)
     }
 
-    /// Whether it takes the endless weave of a draft to itself, but for a shift in the cloth's plane. `side` is a multiple
-    /// of both repeats.
+    /// Whether it maps the endless weave of a draft to itself, apart from a shift in the cloth's plane. `side` is a
+    /// multiple of both repeats.
     fn keeps(&self, draft: &Draft, side: usize) -> bool {
-        // Wefts stand along x, warps along y.
+        // Wefts are numbered along x, warps along y.
         let image = |weft: usize, warp: usize| {
             let (weft, warp) = if self.swap { (warp, weft) } else { (weft, warp) };
             let reversed = |flip: bool, k: usize| if flip { (side - k) % side } else { k };
@@ -61,14 +61,15 @@ impl Symmetry {
     }
 }
 
-/// Largest repeat, in yarns, whose symmetries are looked for; the search takes the sixth power of time at worst.
+/// Largest repeat, in yarns, whose symmetries are searched; the time grows with the sixth power of it at worst.
 const LARGEST_REPEAT: usize = 24;
 
-/// The turns and reflections that leave a cloth's scattering as it is, the identity first: a group. None but the identity
-/// where yarns vary or the repeat is large.
+/// The group of rotations and reflections under which a cloth's scattering is invariant, the identity first. Only the
+/// identity if yarns vary or the repeat is large.
 ///
-/// Yarns count as their own mirror images; where they do not, those that keep the hand are left ([`Symmetry::keeps_hand`]).
-/// `same_media`: warp and weft are of one medium. `same_sides`: nothing lies under the cloth or on it.
+/// Yarns are assumed to equal their mirror images; otherwise only rotations remain ([`Symmetry::keeps_hand`]).
+/// `same_media`: warp and weft have the same medium. `same_sides`: the cloth has neither a backing nor anything on it
+/// that distinguishes its sides.
 pub fn symmetries(spec: &ClothSpec, same_media: bool, same_sides: bool) -> Vec<Symmetry> {
     let draft = spec.weave.draft();
     let [wefts, warps] = [System::Weft, System::Warp].map(|system| draft.yarns(system));
@@ -109,7 +110,7 @@ mod tests {
     #[test]
     fn drafts_have_the_symmetries_one_sees() {
         assert_eq!(of(Weave::Plain).len(), 16);
-        // The turns of a square and those that lay it on its face.
+        // The four rotations in the plane, and the four that exchange front and back.
         assert_eq!(of(Weave::Plain).iter().filter(|s| s.keeps_hand()).count(), 8);
         let unequal = ClothSpec {
             warp_spacing_mm: 0.6,
@@ -122,7 +123,7 @@ mod tests {
             ..ClothSpec::default()
         };
         assert_eq!(symmetries(&varied, true, true), [Symmetry::IDENTITY]);
-        // The half turn keeps a twill, its mirror images do not; its back has the wefts on top.
+        // A rotation by 180° leaves a twill invariant, reflections do not; its back has the wefts on top.
         let twill = of(Weave::Twill31);
         let half_turn = Symmetry {
             swap: false,
@@ -137,7 +138,7 @@ mod tests {
             flip: [false, false, true],
         };
         assert!(twill.contains(&half_turn) && !twill.contains(&mirror) && !twill.contains(&turned_over));
-        // A satin's wefts float on its back as its warps do on its face; quarter turns do not reverse its step.
+        // A satin's wefts float on its back as its warps do on its face; rotations by 90° do not reverse its move.
         for weave in [Weave::Twill21, Weave::Twill31, Weave::Satin5] {
             let group = of(weave);
             for a in &group {

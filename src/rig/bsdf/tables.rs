@@ -2,31 +2,31 @@ use super::{Cells, FullBsdf};
 use crate::cloth::light::{ClothFraction, HemisphereNodes};
 use crate::colour::{ColourError, ColourSystem, Convention};
 use crate::formats::{
-    Axis, Channels, Component, Fold, Grid, KlemsBasis, KlemsMatrix, Parameters, Quantity, Scatter, Side, SpecularTable,
-    Table,
+    Axis, ChannelSet, Component, Fold, Grid, KlemsBasis, KlemsMatrix, Parameters, Quantity, Scatter, Side,
+    SpecularTable, Table,
 };
 use crate::spectrum::WavelengthGrid;
 use crate::transport::Estimate;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
-/// What stands for a spectrum.
+/// Representation of a spectrum in tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colours {
     Spectral,
-    /// Linear sRGB under D65, CIE 1931 2° observer, not clipped but at 0.
+    /// Linear sRGB under D65, CIE 1931 2° observer, clipped only at 0.
     Rgb,
-    /// Under D65, the perfect diffuser having Y = 1.
+    /// XYZ under D65; Y = 1 for the perfect diffuser.
     Xyz,
 }
 
 impl Colours {
-    /// What spectra of these wavelengths become.
-    pub fn channels(self, grid: &WavelengthGrid) -> Channels {
+    /// Channels for spectra at these wavelengths.
+    pub fn channels(self, grid: &WavelengthGrid) -> ChannelSet {
         match self {
-            Self::Spectral => Channels::Wavelengths(grid.clone()),
-            Self::Rgb => Channels::Rgb,
-            Self::Xyz => Channels::Xyz,
+            Self::Spectral => ChannelSet::Wavelengths(grid.clone()),
+            Self::Rgb => ChannelSet::Rgb,
+            Self::Xyz => ChannelSet::Xyz,
         }
     }
 }
@@ -35,10 +35,11 @@ impl Colours {
 type Values<'a> = dyn Fn(&[Estimate]) -> Vec<f64> + 'a;
 
 impl FullBsdf {
-    /// Reflection and transmission from every side that was measured, and the fraction that goes straight through the gaps: where
-    /// cells are nodes a component of its own, in patches a part of f on the diagonal of the transmission, where
-    /// ∫ f cosθ dω over the patch is the fraction (the convention of WINDOW and Radiance). Numbers, β or f, are rounded to
-    /// six digits. Colours outside the RGB space have components below 0, which become 0 with a notice.
+    /// Reflection and transmission from every measured side, and the fraction that passes straight through the gaps.
+    /// With nodes that fraction is a separate component. With patches it is part of f on the diagonal of the
+    /// transmission, such that ∫ f cosθ dω over the patch is the fraction (the convention of WINDOW and Radiance).
+    /// Values, β or f, are rounded to six digits. Colours outside the RGB space have negative components, which are set
+    /// to 0 with a notice.
     pub fn components(
         &self,
         colours: Colours,
@@ -78,14 +79,15 @@ impl FullBsdf {
         Ok(tables)
     }
 
-    /// Standard errors, spectral, in tables like those of the values; on the diagonal of the transmission between patches as
-    /// if what yarns scatter and what passes through gaps were independent, where they are of opposite signs if anything.
+    /// Spectral standard errors, in tables like those of the values. On the diagonal of the transmission between
+    /// patches, scattered light and light through gaps are treated as independent, although they are rather
+    /// anticorrelated.
     pub fn errors(&self, as_beta: bool) -> Vec<Component> {
         let values = |spectrum: &[Estimate]| spectrum.iter().map(|f| f.se).collect();
-        self.tables(&Channels::Wavelengths(self.grid.clone()), as_beta, &values, false)
+        self.tables(&ChannelSet::Wavelengths(self.grid.clone()), as_beta, &values, false)
     }
 
-    fn tables(&self, channels: &Channels, as_beta: bool, values: &Values, with_gaps: bool) -> Vec<Component> {
+    fn tables(&self, channels: &ChannelSet, as_beta: bool, values: &Values, with_gaps: bool) -> Vec<Component> {
         let (quantity, scale) = if as_beta {
             (Quantity::BrightnessFactor, PI)
         } else {
@@ -128,7 +130,7 @@ impl FullBsdf {
         components
     }
 
-    /// Spherical nodes; those at the normal are there once for each azimuth.
+    /// Table on spherical nodes; the node at the normal is repeated for each azimuth.
     fn grid_of(&self, nodes: &HemisphereNodes, side: Side, scatter: Scatter, channels: usize, values: &Values) -> Grid {
         let (rings, azimuths) = (nodes.rings(), nodes.azimuths());
         let mut table = Vec::with_capacity(rings * azimuths * (rings + 1) * azimuths * channels);
@@ -160,7 +162,7 @@ impl FullBsdf {
         )
     }
 
-    /// Channel slowest, then exiting patch, then incident patch.
+    /// Table on patches: channel × exiting patch × incident patch (fastest).
     fn matrix_of(
         &self,
         basis: &KlemsBasis,
@@ -190,7 +192,7 @@ impl FullBsdf {
         matrix
     }
 
-    /// Fraction at each wavelength of light from an incident cell that meets no yarn.
+    /// Fraction of the light from an incident cell that meets no yarn, at each wavelength.
     fn through_gaps(&self, side: Side, incident: usize) -> Vec<Estimate> {
         let traced = self.traced_for(side, incident);
         traced.map_or_else(Vec::new, |(incidence, _)| {
@@ -216,15 +218,15 @@ impl FullBsdf {
     }
 }
 
-/// Polar angles, horizon included, and azimuths.
+/// Polar angles, horizon included, and azimuths, radians.
 fn axes_rad(nodes: &HemisphereNodes) -> (Vec<f64>, Vec<f64>) {
     let polar = (0..=nodes.rings()).map(|ring| nodes.angles_rad(nodes.node(ring, 0))[0]);
     let around = (0..nodes.azimuths()).map(|azimuth| nodes.angles_rad(nodes.node(1, azimuth))[1]);
     (polar.collect(), around.collect())
 }
 
-/// To six significant digits: far below any standard error, and half as long in a file.
+/// Value rounded to six significant digits: the error is far below any standard error, and files are half as long.
 fn rounded(value: f64) -> f64 {
-    // What was written so can be read.
+    // A number formatted like this always parses.
     format!("{value:.5e}").parse().unwrap_or(value)
 }

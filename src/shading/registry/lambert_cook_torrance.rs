@@ -42,8 +42,9 @@ pub(super) static MODEL: ClassicalModel = ClassicalModel {
     },
 };
 
-/// Lambert with the sample's own brightness factor at normal incidence and view, plus the gloss of the physical model. Works in
-/// the colour channels red, green, blue and luminance: colour is linear in the spectrum, so the sum may be taken there.
+/// Lambert with the sample's own brightness factor at normal incidence and view, plus the gloss of the physical model.
+/// Works in the colour channels red, green, blue and luminance: colour is linear in the spectrum, so the sum may be
+/// taken there.
 ///
 /// The gloss is added on top, so before normalisation the model is brighter than the sample at normal/normal by the
 /// gloss there.
