@@ -7,7 +7,7 @@ use specval::report::{
     Notice, Outline, ReportData, file_names, is_of_report, read_result, render, report_json, result_json, result_path,
     summary,
 };
-use specval::run::{self, Request, Simulator, Stage, StateFile, Sweep, Watch};
+use specval::run::{self, FileKind, Request, Simulator, Stage, StateFile, Sweep, Watch};
 use specval::sample::Sample;
 use specval::shading::DEFAULT_MODELS;
 use specval::study::Study;
@@ -143,7 +143,11 @@ fn again(result: &Path, arguments: &Arguments, options: &Options, terminal: &Ter
             return Err(Finished { option }.into());
         }
     }
-    let data = read_result(result)?;
+    let data = read_result(result).map_err(|error| {
+        study::or_other_kind(error, &result_path(result), "the result of a report", |kind| {
+            kind == FileKind::Result
+        })
+    })?;
     let names = file_names(&Outline {
         incidences: incidences(data.curves.iter().map(|point| point.theta_i_deg)),
         approximations: data.approximations.is_some(),

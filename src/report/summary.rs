@@ -1,6 +1,6 @@
 use super::tables::{channel_name, elsewhere, place, rounded, with_error, words_of};
 use super::{EffortNote, Notice, ReportData, ledger_table};
-use crate::compare::{Channel, Rmse, RmseRatio, Role, Source, SourceId, Table1Name, Verdict};
+use crate::compare::{Channel, PropagatedEstimate, Rmse, RmseRatio, Role, Source, SourceId, Table1Name, Verdict};
 use std::fmt::Write;
 
 /// The summary that `report` prints: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every notice
@@ -157,10 +157,16 @@ fn table1(text: &mut String, data: &ReportData) {
 fn comparison(text: &mut String, data: &ReportData) {
     for coefficient in &data.normalisation {
         let (source, sample) = (&coefficient.source, &coefficient.sample);
+        let PropagatedEstimate { value, se, .. } = coefficient.factor;
+        let doubt = if se > 0.5 * value.abs() {
+            ", hardly known: most of it is noise"
+        } else {
+            ""
+        };
         let _ = writeln!(
             text,
-            "{source} multiplied by {} ({sample}/{source} luminance at {})",
-            with_error(coefficient.factor.value, coefficient.factor.se),
+            "{source} multiplied by {} ({sample}/{source} luminance at {}){doubt}",
+            with_error(value, se),
             words_of(&coefficient.at)
         );
     }

@@ -208,6 +208,11 @@ pub(super) fn words_of(at: &Geometry) -> String {
 /// A value and its standard error to the two leading digits of the error: 0.931 ± 0.012. A dash stands for what is not
 /// known.
 pub(super) fn with_error(value: f64, se: f64) -> String {
+    /// Far below what any table shows: rounding of values that are 0 by construction.
+    const NOTHING: f64 = 1e-9;
+    if value.abs().max(se.abs()) < NOTHING {
+        return "0".into();
+    }
     let Some(se) = known_error(value, se) else {
         return format!("{} ± –", rounded(value));
     };
