@@ -116,7 +116,7 @@ struct Cut {
 }
 
 impl Cut {
-    /// `nodes` need no order; azimuths may be any, and are told by `turn`.
+    /// Nodes may be in any order. Azimuths may have any value and are measured from `turn`.
     fn new(chart: Chart, turn: f64, polar_nodes: &[f64], azimuth_nodes: &[f64]) -> Self {
         let last = chart.farthest();
         let inside = polar_nodes.iter().copied().filter(|a| *a > 1e-9 && *a < last - 1e-9);
@@ -308,8 +308,8 @@ impl Component {
             sums.values.iter_mut().zip(cell.sums).for_each(|(sum, v)| *sum += v);
             sums.errors.iter_mut().zip(cell.errors).for_each(|(sum, e)| *sum += e);
         }
-        // The same rule gives the projected hemisphere, to an error far below any gap of a table. The ratio to it is
-        // exact where f is constant.
+        // The same rule integrates the projected hemisphere, with an error far below any gap of a table. The ratio of
+        // the integrals is exact for constant f.
         sums.measured /= PI;
         if (sums.measured - 1.0).abs() < 1e-4 {
             sums.values.iter_mut().for_each(|v| *v /= sums.measured);
@@ -332,9 +332,9 @@ impl Component {
         })
     }
 
-    /// Points all over the hemisphere of outgoing directions (upright, as tables know them), light being from above:
-    /// direction, cos θ dω, and f cos θ dω a channel. Their sums are [`Self::directional_hemispherical`] to the error
-    /// of that. Nothing of tables that are constant on cells, nor where nothing was measured.
+    /// Quadrature points over the hemisphere of outgoing directions (upright), with light from above: direction,
+    /// cos θ dω, and f cos θ dω per channel. Their sums equal [`Self::directional_hemispherical`] to its error. No
+    /// points for tables that are constant on cells, or if nothing was measured.
     pub(crate) fn visit_hemisphere(&self, theta_i: f64, phi_i: f64, mut visit: impl FnMut(&Vec3, f64, &[f64])) {
         let Some(integral) = self.integral(theta_i, phi_i) else {
             return;

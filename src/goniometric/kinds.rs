@@ -79,7 +79,7 @@ impl Quantity {
         }
     }
 
-    /// The value that stands for f in 1/sr; `None` where the quantity has no f.
+    /// The value that represents f in 1/sr; `None` if the quantity has no f.
     pub fn of_bsdf(self, bsdf: f64, cos_out: f64) -> Option<f64> {
         match self {
             Self::Bsdf => Some(bsdf),

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
 
 /// The fractions of a ledger: an enum that defines the ledger, its columns in tables and its arrays in files. Declared
-/// with [`fractions!`].
+/// with the macro `fractions!`.
 pub trait FractionList: Copy + fmt::Debug + Eq + 'static {
     /// Every fraction, in the order of the arrays in files.
     const ALL: &'static [Self];
