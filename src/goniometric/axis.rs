@@ -64,6 +64,7 @@ impl Axis {
         Self { nodes_rad, beyond }
     }
 
+    /// Nodes in radians, ascending.
     pub fn nodes_rad(&self) -> &[f64] {
         &self.nodes_rad
     }

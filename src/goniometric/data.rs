@@ -98,6 +98,7 @@ impl Goniometric {
         self.components.iter().find_map(|c| c.eval(omega_in, omega_out))
     }
 
+    /// The component for a kind of scattering and a side of the light; `None` if the file has none.
     pub fn component(&self, scatter: Scatter, side: Side) -> Option<&Component> {
         self.components
             .iter()

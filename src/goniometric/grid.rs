@@ -85,14 +85,17 @@ impl Grid {
         }
     }
 
+    /// Parametrisation of the four angles.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
+    /// The four axes, in the order of the parameters.
     pub fn axes(&self) -> &[Axis; 4] {
         &self.axes
     }
 
+    /// Symmetry of the last azimuth.
     pub fn fold(&self) -> Fold {
         self.fold
     }

@@ -37,6 +37,7 @@ pub struct Provenance {
     pub comments: Vec<String>,
 }
 
+/// Reflection or transmission.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scatter {
@@ -44,6 +45,7 @@ pub enum Scatter {
     Transmission,
 }
 
+/// Side of the surface the light comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {

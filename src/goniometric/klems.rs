@@ -116,10 +116,12 @@ impl KlemsMatrix {
         }
     }
 
+    /// Patches of the incident hemisphere.
     pub fn incident(&self) -> &KlemsBasis {
         &self.incident
     }
 
+    /// Patches of the exiting hemisphere.
     pub fn exiting(&self) -> &KlemsBasis {
         &self.exiting
     }

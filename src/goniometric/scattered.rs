@@ -24,6 +24,7 @@ pub struct Scattered {
     errors: Option<Vec<f64>>,
 }
 
+/// Directions of the readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Directions {
     /// Four angles a reading, in radians: θ_in, φ_in, θ_out, φ_out.
@@ -98,6 +99,7 @@ impl Scattered {
         self.directions
     }
 
+    /// Whether values do not change under rotation of the sample about its normal.
     pub fn is_isotropic(&self) -> bool {
         self.isotropic
     }

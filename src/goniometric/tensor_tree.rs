@@ -37,6 +37,7 @@ impl TensorTree {
         self.trees.iter().map(count).max().unwrap_or(0)
     }
 
+    /// Whether values do not change under rotation of the sample about its normal (rank 3).
     pub fn is_isotropic(&self) -> bool {
         self.rank == 3
     }

@@ -180,14 +180,17 @@ impl Warped {
         })
     }
 
+    /// Whether values do not change under rotation of the sample about its normal.
     pub fn is_isotropic(&self) -> bool {
         self.arrays.isotropic
     }
 
+    /// Axis of the incident polar angle.
     pub fn incidence(&self) -> &Axis {
         &self.incidence
     }
 
+    /// Axis of the incident azimuth.
     pub fn azimuth(&self) -> &Axis {
         &self.azimuth
     }
