@@ -42,8 +42,8 @@ fn all_wavelengths() -> Vec<f64> {
     (0..35).map(|i| 390.0 + 10.0 * f64::from(i)).collect()
 }
 
-/// Azimuth histogram of scattered light from a parallel beam across a yarn of radius 0.125 mm, bin × wavelength, and the
-/// particles met.
+/// Azimuth histogram of scattered light from a parallel beam across a yarn of radius 0.125 mm, bin × wavelength, and
+/// the particles met.
 fn histogram(medium: &Medium, paths: usize, batch: usize) -> (Vec<f64>, u64) {
     let coefficients: Vec<Coefficients<'_>> = (0..medium.grid().len())
         .map(|w| Coefficients {
@@ -144,9 +144,9 @@ fn batches(medium: &Medium, count: usize, threads: usize) -> (f64, Vec<(Vec<f64>
     (start.elapsed().as_secs_f64(), batches)
 }
 
-/// Figure of merit 1/(r² t) on all cores, r being the relative error of the median bin (mirror images folded) at the worst
-/// wavelength, and with it the time for r = 1 %; time per scattering; and what a second thread brings. The best of
-/// several runs, which is the one that other programs disturbed least.
+/// Figure of merit 1/(r² t) on all cores, r being the relative error of the median bin (mirror images folded) at the
+/// worst wavelength, and with it the time for r = 1 %; time per scattering; and what a second thread brings. The best
+/// of several runs, which is the one that other programs disturbed least.
 fn figure_of_merit(_: &mut Criterion) {
     const BATCHES: usize = 64;
     const RUNS: usize = 5;

@@ -1,4 +1,5 @@
-//! How far the preprint's classical shading lies from a measured sample, by incidence: a built-in sample, a folder or a file.
+//! How far the preprint's classical shading lies from a measured sample, by incidence: a built-in sample, a folder or a
+//! file.
 
 use specval::rig::{omega_in, omega_out};
 use specval::run::Plan;

@@ -1,7 +1,8 @@
 //! Deliberate faults of the physics, for tests alone: each must turn a gate of [`crate::check`] red.
 //!
-//! Without the cargo feature `faults` (off by default, never in a release) [`active`] is a constant `false` and the seams
-//! compile to nothing. With it one fault may be named in the environment variable `SPECVAL_FAULT`, read once, or committed by `commit`.
+//! Without the cargo feature `faults` (off by default, never in a release) [`active`] is a constant `false` and the
+//! seams compile to nothing. With it one fault may be named in the environment variable `SPECVAL_FAULT`, read once, or
+//! committed by `commit`.
 
 #[cfg(feature = "faults")]
 use std::sync::LazyLock;

@@ -1,9 +1,11 @@
 //! Numbers as people write them, for messages, and as JSON documents have them.
 
-/// Significant digits of a number in a message: enough for any value that was typed, too few for the rounding of binary fractions.
+/// Significant digits of a number in a message: enough for any value that was typed, too few for the rounding of binary
+/// fractions.
 const DIGITS: usize = 10;
 
-/// A number for a message: 10 significant digits without zeros at the end, and an exponent where it is below 1e-5 or from 1e7 on.
+/// A number for a message: 10 significant digits without zeros at the end, and an exponent where it is below 1e-5 or
+/// from 1e7 on.
 pub fn shown(value: f64) -> String {
     if !value.is_finite() {
         return match value.is_nan() {
@@ -20,6 +22,16 @@ pub fn shown(value: f64) -> String {
     } else {
         format!("{rounded:e}")
     }
+}
+
+/// A number rounded to so many significant digits, as [`shown`]: "14", "0.55", "2.2e-16".
+pub fn significant(value: f64, digits: usize) -> String {
+    shown(format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value))
+}
+
+/// "1 thread", "2 threads".
+pub fn count(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }
 
 /// A time as people say it, to two digits.
@@ -48,7 +60,7 @@ pub fn nan_from_null<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Resul
 
 #[cfg(test)]
 mod tests {
-    use super::shown;
+    use super::{shown, significant};
 
     #[test]
     fn numbers_are_written_as_people_do() {
@@ -64,6 +76,17 @@ mod tests {
             (f64::NAN, "no number"),
         ] {
             assert_eq!(shown(value), text);
+        }
+        for (value, digits, text) in [
+            (14.0, 3, "14"),
+            (-0.7914, 3, "-0.791"),
+            (0.00012345, 2, "0.00012"),
+            (2.22e-16, 2, "2.2e-16"),
+            (1234.6, 2, "1200"),
+            (-0.0, 2, "0"),
+            (f64::INFINITY, 2, "an infinite number"),
+        ] {
+            assert_eq!(significant(value, digits), text);
         }
     }
 }

@@ -1,11 +1,12 @@
 //! Every deliberate fault of the physics turns the gates red that docs/checks.md says, and none is red without.
 
-use specval::check::{self, CheckEffort, Verdict};
+use specval::check::{self, CheckEffort, GateVerdict};
 use specval::fault::{self, Fault};
 use specval::run::Plan;
 use specval::study::Study;
 
-/// Few wavelengths and small tables: the laws are those of any study, and a check of it takes a tenth of the built-in study's.
+/// Few wavelengths and small tables: the laws are those of any study, and a check of it takes a tenth of the built-in
+/// study's.
 const SMALL: &str = "
 [spectrum]
 wavelengths_nm = [430.0, 530.0, 580.0, 660.0]
@@ -31,7 +32,7 @@ fn broken(study: &str, fault: Option<Fault>) -> Vec<&'static str> {
     let checked =
         check::study(&plan, CheckEffort::quick(), &|_| ()).unwrap_or_else(|error| panic!("{fault:?}: {error}"));
     fault::commit(None);
-    let broken = checked.gates.iter().filter(|gate| gate.verdict == Verdict::Broken);
+    let broken = checked.gates.iter().filter(|gate| gate.verdict == GateVerdict::Broken);
     let mut names: Vec<&str> = broken.map(|gate| gate.name).collect();
     names.sort();
     names
@@ -90,7 +91,8 @@ fn so_it_does_with_the_built_in_study() {
     assert_eq!(broken("", None), Vec::<&str>::new());
 }
 
-/// Light lost or gained in a cloth shaded with f* and all bounces is told in cloths of other weaves and of white yarns, too.
+/// Light lost or gained in a cloth shaded with f* and all bounces is told in cloths of other weaves and of white yarns,
+/// too.
 #[test]
 #[ignore = "minutes"]
 fn light_lost_in_other_cloths_is_told() {

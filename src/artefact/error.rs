@@ -1,4 +1,4 @@
-use super::kind::{FORMAT_VERSION, Kind};
+use super::kind::{ArtefactKind, FORMAT_VERSION};
 use crate::output::OutputError;
 use std::io;
 use std::path::PathBuf;
@@ -39,17 +39,25 @@ pub enum ArtefactError {
     #[error("{}: expected {expected} of specval, found {found}; name a file that specval wrote", path.display())]
     NotOurs {
         path: PathBuf,
-        expected: Kind,
+        expected: ArtefactKind,
         /// How it begins.
         found: String,
     },
     #[error("{}: expected {expected}, found {found}; name {expected}", path.display())]
-    OtherKind { path: PathBuf, expected: Kind, found: Kind },
+    OtherKind {
+        path: PathBuf,
+        expected: ArtefactKind,
+        found: ArtefactKind,
+    },
     #[error(
         "{}: expected {kind} of format version {FORMAT_VERSION}, found version {found}; use the specval that wrote it, or {}",
         path.display(), kind.remedy()
     )]
-    OtherVersion { path: PathBuf, kind: Kind, found: u64 },
+    OtherVersion {
+        path: PathBuf,
+        kind: ArtefactKind,
+        found: u64,
+    },
     /// Cut short, or something was added to it.
     #[error(
         "{}: expected {kind} of {expected} bytes, found {found} bytes; take a whole copy, or {}",
@@ -57,24 +65,28 @@ pub enum ArtefactError {
     )]
     Size {
         path: PathBuf,
-        kind: Kind,
+        kind: ArtefactKind,
         expected: u64,
         found: u64,
     },
     #[error("{}: expected {kind} as it was written, found {found}; take a sound copy, or {}", path.display(), kind.remedy())]
-    Damaged { path: PathBuf, kind: Kind, found: String },
+    Damaged {
+        path: PathBuf,
+        kind: ArtefactKind,
+        found: String,
+    },
     /// Of another study, seed or program version.
     #[error("{}", foreign(path, *kind, differences))]
     Foreign {
         path: PathBuf,
-        kind: Kind,
+        kind: ArtefactKind,
         differences: Vec<Difference>,
     },
     /// The file is intact but holds another array than the one that is read.
     #[error("{}: array `{array}`: expected {expected}, found {found}; {}", path.display(), kind.remedy())]
     Array {
         path: PathBuf,
-        kind: Kind,
+        kind: ArtefactKind,
         array: String,
         expected: String,
         found: String,
@@ -96,7 +108,7 @@ const NAMED: usize = 4;
 /// Characters of a value in a message.
 const SHOWN: usize = 60;
 
-fn foreign(path: &std::path::Path, kind: Kind, differences: &[Difference]) -> String {
+fn foreign(path: &std::path::Path, kind: ArtefactKind, differences: &[Difference]) -> String {
     let short = |value: &str| match value.char_indices().nth(SHOWN) {
         Some((end, _)) => format!("{}…", &value[..end]),
         None => value.to_owned(),

@@ -11,7 +11,7 @@ pub(super) const MAGIC_LIMIT: u64 = 64;
 
 /// What a file is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ArtefactKind {
     /// The result of a whole run.
     Artefact,
     /// The result of a part of a run, to be merged with the others.
@@ -20,24 +20,24 @@ pub enum Kind {
     State,
 }
 
-impl Kind {
-    pub(super) const ALL: [Kind; 3] = [Kind::Artefact, Kind::Shard, Kind::State];
+impl ArtefactKind {
+    pub(super) const ALL: [ArtefactKind; 3] = [ArtefactKind::Artefact, ArtefactKind::Shard, ArtefactKind::State];
 
     /// Its name in the first line of a file.
     pub(super) fn word(self) -> &'static str {
         match self {
-            Kind::Artefact => "artefact",
-            Kind::Shard => "shard",
-            Kind::State => "state",
+            ArtefactKind::Artefact => "artefact",
+            ArtefactKind::Shard => "shard",
+            ArtefactKind::State => "state",
         }
     }
 
     /// What the user does about a file that cannot be used.
     pub(super) fn remedy(self) -> &'static str {
         match self {
-            Kind::Artefact => "make the artefact again",
-            Kind::Shard => "make the shard again",
-            Kind::State => "remove it and start the run from its beginning",
+            ArtefactKind::Artefact => "make the artefact again",
+            ArtefactKind::Shard => "make the shard again",
+            ArtefactKind::State => "remove it and start the run from its beginning",
         }
     }
 
@@ -47,23 +47,23 @@ impl Kind {
     }
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for ArtefactKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Kind::Artefact => "an artefact",
-            Kind::Shard => "a shard",
-            Kind::State => "the state of a run",
+            ArtefactKind::Artefact => "an artefact",
+            ArtefactKind::Shard => "a shard",
+            ArtefactKind::State => "the state of a run",
         })
     }
 }
 
-impl Kind {
+impl ArtefactKind {
     /// Kind named in a file's first line; `None` for a file that this program did not write.
     pub fn of(path: &Path) -> Option<Self> {
         let mut head = Vec::new();
         let file = File::open(path).ok()?;
         file.take(MAGIC_LIMIT).read_to_end(&mut head).ok()?;
-        let begins = |kind: &Kind| head.starts_with(format!("specval-{} ", kind.word()).as_bytes());
+        let begins = |kind: &ArtefactKind| head.starts_with(format!("specval-{} ", kind.word()).as_bytes());
         Self::ALL.into_iter().find(begins)
     }
 }

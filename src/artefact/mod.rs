@@ -2,7 +2,8 @@
 //!
 //! A file is, in this order:
 //!
-//! 1. the line `specval-artefact 1`, `specval-shard 1` or `specval-state 1`: its [`Kind`] and the format's version;
+//! 1. the line `specval-artefact 1`, `specval-shard 1` or `specval-state 1`: its [`ArtefactKind`] and the format's
+//!    version;
 //! 2. one line of JSON: `version` (of the program), `identity` (everything that must be equal for two files to belong
 //!    together, see [`Identity`]), `header` (added by the caller), and `arrays`, each with `name`, `unit`, `axes`,
 //!    `shape`, `element` (`f64`, `f32` or `u64`), `offset` and `length`, both in bytes, the offset counted from the end
@@ -22,7 +23,7 @@ mod writer;
 
 pub use error::{ArtefactError, Difference};
 pub use identity::Identity;
-pub use kind::Kind;
+pub use kind::ArtefactKind;
 pub use layout::{ArrayInfo, Element, ElementType};
 pub use reader::Reader;
 pub use writer::Writer;

@@ -1,6 +1,6 @@
 use super::kind::{FORMAT_VERSION, MAGIC_LIMIT};
 use super::layout::{self, HEADER_LIMIT, Head, Placed};
-use super::{ArrayInfo, ArtefactError, BUFFER, CHECKSUM, Element, Hashed, Identity, Kind};
+use super::{ArrayInfo, ArtefactError, ArtefactKind, BUFFER, CHECKSUM, Element, Hashed, Identity};
 use serde_json::Value;
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct Reader {
     path: PathBuf,
-    kind: Kind,
+    kind: ArtefactKind,
     file: File,
     head: Head,
     /// Where the arrays begin, bytes from the file's beginning.
@@ -20,7 +20,7 @@ pub struct Reader {
 
 impl Reader {
     /// As [`Reader::open`]; `None` where there is no file.
-    pub fn open_if_there(path: impl Into<PathBuf>, kind: Kind) -> Result<Option<Self>, ArtefactError> {
+    pub fn open_if_there(path: impl Into<PathBuf>, kind: ArtefactKind) -> Result<Option<Self>, ArtefactError> {
         match Self::open(path, kind) {
             Ok(file) => Ok(Some(file)),
             Err(ArtefactError::NotReadable { cause, .. }) if cause.kind() == io::ErrorKind::NotFound => Ok(None),
@@ -29,7 +29,7 @@ impl Reader {
     }
 
     /// Opens a file of this kind and reads all of it once to verify its size and checksum.
-    pub fn open(path: impl Into<PathBuf>, kind: Kind) -> Result<Self, ArtefactError> {
+    pub fn open(path: impl Into<PathBuf>, kind: ArtefactKind) -> Result<Self, ArtefactError> {
         let path = path.into();
         let not_readable = |cause| ArtefactError::NotReadable {
             path: path.clone(),
@@ -203,7 +203,7 @@ fn line(input: &mut impl BufRead, limit: u64) -> io::Result<Vec<u8>> {
     Ok(line)
 }
 
-fn check_magic(path: &Path, expected: Kind, line: &[u8]) -> Result<(), ArtefactError> {
+fn check_magic(path: &Path, expected: ArtefactKind, line: &[u8]) -> Result<(), ArtefactError> {
     let path = || path.to_owned();
     let Some((kind, version)) = parse_magic(line) else {
         let begins = line.strip_suffix(b"\n").unwrap_or(line);
@@ -234,10 +234,10 @@ fn check_magic(path: &Path, expected: Kind, line: &[u8]) -> Result<(), ArtefactE
     Ok(())
 }
 
-fn parse_magic(line: &[u8]) -> Option<(Kind, u64)> {
+fn parse_magic(line: &[u8]) -> Option<(ArtefactKind, u64)> {
     let line = std::str::from_utf8(line).ok()?.strip_suffix('\n')?;
     let (word, version) = line.strip_prefix("specval-")?.split_once(' ')?;
-    let kind = Kind::ALL.into_iter().find(|kind| kind.word() == word)?;
+    let kind = ArtefactKind::ALL.into_iter().find(|kind| kind.word() == word)?;
     // Only the spelling that this program writes: no sign, no leading zeros.
     let number = version.parse().ok().filter(|n: &u64| n.to_string() == version)?;
     Some((kind, number))

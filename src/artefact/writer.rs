@@ -1,6 +1,6 @@
 use super::layout::{self, HEADER_LIMIT, Head, Placed};
-use super::{ArrayInfo, ArtefactError, BUFFER, Element, Hashed, Identity, Kind};
-use crate::output::{Output, OutputError, Place};
+use super::{ArrayInfo, ArtefactError, ArtefactKind, BUFFER, Element, Hashed, Identity};
+use crate::output::{Destination, Output, OutputError};
 use serde_json::Value;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ impl Writer {
     /// Writes the header. `header` is stored beside the arrays; [`Writer::append`] writes the `arrays` in this order.
     pub fn create(
         path: impl Into<PathBuf>,
-        kind: Kind,
+        kind: ArtefactKind,
         identity: &Identity,
         header: &Value,
         arrays: &[ArrayInfo],
@@ -53,7 +53,7 @@ impl Writer {
         }
         // JSON that is nested too deeply to be read back must fail now, not after the run.
         Head::parse(&lines[magic..]).map_err(|found| undeclared("a header that can be read back".into(), found))?;
-        let output = Place::find(&path).and_then(|place| Output::create(&place));
+        let output = Destination::find(&path).and_then(|place| Output::create(&place));
         let mut output = BufWriter::with_capacity(BUFFER, Hashed::new(output.map_err(not_written)?));
         output.write_all(&lines).map_err(not_writable(&path))?;
         Ok(Self {

@@ -1,6 +1,6 @@
 //! Beer and Lambert's law along paths of a known length, path by path.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::{CheckError, Context};
 use crate::geometry::Vec3;
 use crate::optics::Medium;
@@ -19,8 +19,8 @@ const SHARED: Law = Law {
 
 /// Of what one shared path carries, which is reckoned in single precision.
 const SINGLE: f64 = 1e-5;
-/// Rounding of an optical depth in single precision, relative: a weight exp(−depth) is off by this times the deepest depth that it is
-/// weighed against.
+/// Rounding of an optical depth in single precision, relative: a weight exp(−depth) is off by this times the deepest
+/// depth that it is weighed against.
 const ROUNDING: f64 = f32::EPSILON as f64;
 /// Of the light that crosses: less of it crosses by rounding. Where as little crosses at all, no path need.
 const STRAY: f64 = 1e-6;
@@ -31,8 +31,8 @@ const TILT_SINE: f64 = 0.6;
 /// In place of a direction, apart from the other streams of the check.
 const STREAM: usize = 1 << 23;
 
-/// The yarn in a host of index 1, which neither reflects nor refracts: light that enters at a height leaves straight on, or where it
-/// first meets the surface after scattering. Roulette is played for weights below rounding alone.
+/// The yarn in a host of index 1, which neither reflects nor refracts: light that enters at a height leaves straight
+/// on, or where it first meets the surface after scattering. Roulette is played for weights below rounding alone.
 pub fn gates(context: &Context) -> Result<[Gate; 2], CheckError> {
     let Context { plan, judge, .. } = context;
     let medium = &plan.yarn.medium;
@@ -58,7 +58,7 @@ pub fn gates(context: &Context) -> Result<[Gate; 2], CheckError> {
             } else {
                 "straight on"
             };
-            Place::new(departures[i].wavelength_nm, kind)
+            Where::new(departures[i].wavelength_nm, kind)
         })
     };
     Ok([

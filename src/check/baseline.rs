@@ -1,6 +1,6 @@
 //! The same distribution as an earlier result?
 
-use super::gate::{Gate, Law, Place, Verdict};
+use super::gate::{Gate, GateVerdict, Law, Where};
 use super::{BaselineError, CheckEffort, Checked, Drift, Moved, Quantity};
 use serde::Deserialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -54,8 +54,8 @@ impl Baseline {
         })
     }
 
-    /// Adds the gate and the drift. With one seed both sides share random numbers, which makes their difference smaller than
-    /// its error says, never larger; the same run has the same bits.
+    /// Adds the gate and the drift. With one seed both sides share random numbers, which makes their difference smaller
+    /// than its error says, never larger; the same run has the same bits.
     ///
     /// # Errors
     /// Quantities of other wavelengths or incidences.
@@ -119,13 +119,17 @@ impl Baseline {
         let se = if se.is_finite() { se } else { 0.0 };
         Gate {
             cells: all.len(),
-            worst: Place::new(furthest.wavelength_nm, furthest.name.clone()),
+            worst: Where::new(furthest.wavelength_nm, furthest.name.clone()),
             value: difference,
             se,
             largest_se: se,
             z: Some(furthest.sigmas),
             p: Some(p),
-            verdict: if p >= level { Verdict::Holds } else { Verdict::Broken },
+            verdict: if p >= level {
+                GateVerdict::Holds
+            } else {
+                GateVerdict::Broken
+            },
             ..Gate::undecided(BASELINE)
         }
     }

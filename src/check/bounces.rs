@@ -1,7 +1,7 @@
 //! Light that goes from yarn to yarn of the study's cloth by their f*: what leaves, and what views see of it.
 
 use super::cylinder::beam;
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::medium::few_wavelengths;
 use super::{CheckError, Context};
 use crate::cloth::light::{
@@ -39,26 +39,27 @@ const TILTS: usize = 6;
 const AXES: [usize; 3] = [24, 6, 12];
 /// Paths of a tilt.
 const PATHS: u64 = 2048;
-/// Absorption, 1/mm: white yarns, so that all light goes far. With none at all, what a table's noise leaves over of the light would be
-/// counted as won or lost by chance, and not as absorbed.
+/// Absorption, 1/mm: white yarns, so that all light goes far. With none at all, what a table's noise leaves over of the
+/// light would be counted as won or lost by chance, and not as absorbed.
 const MU_A: f64 = 1e-9;
-/// Of the medium at the middle of the study's wavelengths, with absorption of its own: μ_a times the radius. Where light leaves is drawn
-/// for all wavelengths together, and one that is unlike the others would be worth much by chance.
+/// Of the medium at the middle of the study's wavelengths, with absorption of its own: μ_a times the radius. Where
+/// light leaves is drawn for all wavelengths together, and one that is unlike the others would be worth much by chance.
 const ABSORBING: [f64; 2] = [0.0, 0.02];
-/// Of μ_s times the diameter: more of the light that views are not shown would go straight on with less, and light go round for ever
-/// with more.
+/// Of μ_s times the diameter: more of the light that views are not shown would go straight on with less, and light go
+/// round for ever with more.
 const DEPTHS: [f64; 2] = [4.0, 30.0];
 /// Pieces of yarn and squares of the backing in which light forgets where it came in.
 const PIECE_RADII: f64 = 0.125;
 const SQUARE_RADII: f64 = 0.25;
-/// Spacing of a dense weave in radii, how many times more rays and particles the most open one gets, and the most pieces from one
-/// crossing to the next.
+/// Spacing of a dense weave in radii, how many times more rays and particles the most open one gets, and the most
+/// pieces from one crossing to the next.
 const DENSE_RADII: f64 = 4.0;
 const MOST_OPEN: f64 = 50.0;
 const PIECES: f64 = 32.0;
 /// Camera rays of a view.
 const RAYS: usize = 160;
-/// Views of a side and particles of a beam in one round, and the paths of a batch of the ledger that one round goes with.
+/// Views of a side and particles of a beam in one round, and the paths of a batch of the ledger that one round goes
+/// with.
 const VIEWS_OF_ROUND: usize = 2;
 const PARTICLES: usize = 64;
 const PATHS_OF_ROUND: u64 = 250;
@@ -85,7 +86,8 @@ impl Detector for Sides {
     }
 }
 
-/// Both laws are conditional on the tables of f*, whatever their noise: one small table of each yarn does, at three wavelengths.
+/// Both laws are conditional on the tables of f*, whatever their noise: one small table of each yarn does, at three
+/// wavelengths.
 pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
     let Context { plan, judge, .. } = context;
     let seed = plan.study.seed;
@@ -187,7 +189,7 @@ pub fn gates(context: &Context) -> Result<[Gate; 3], CheckError> {
     let at = |i: usize, sides: usize| {
         let side = if sides == 1 { "" } else { SIDES[i / n % sides] };
         let theta = incidences[i / (sides * n)];
-        Place::named(format!("theta_i {theta} deg, mu_a R = {}{side}", ABSORBING[i % n]))
+        Where::named(format!("theta_i {theta} deg, mu_a R = {}{side}", ABSORBING[i % n]))
     };
     Ok([
         entering(context, &grid)?,
@@ -216,7 +218,7 @@ fn entering(context: &Context, grid: &YarnResponseGrid) -> Result<Gate, CheckErr
                 let [_, _, absorbed] = beam(medium.host_index()[w], depth, tilts.map(f64::sin));
                 departures.push(sum - absorbed);
                 let [low, high] = tilts.map(f64::to_degrees);
-                places.push(Place::new(
+                places.push(Where::new(
                     medium.grid().nm()[w],
                     format!("{system}, tilt {low:.0} to {high:.0} deg"),
                 ));
@@ -228,8 +230,8 @@ fn entering(context: &Context, grid: &YarnResponseGrid) -> Result<Gate, CheckErr
         .exact(ENTERING, &departures, MIDPOINTS, |i| places[i].clone()))
 }
 
-/// On either side. Directions even in cos²θ and azimuth have the density cosθ/π, so that the mean of β over them is the fraction of a
-/// beam that leaves on their side.
+/// On either side. Directions even in cos²θ and azimuth have the density cosθ/π, so that the mean of β over them is the
+/// fraction of a beam that leaves on their side.
 fn views(seed: u64, batch: usize, round: usize) -> ViewCones {
     let mut rng = Stream::open(seed, Purpose::Check, STREAM, batch, round);
     let mut towards = Vec::with_capacity(2 * VIEWS_OF_ROUND);
@@ -244,8 +246,8 @@ fn views(seed: u64, batch: usize, round: usize) -> ViewCones {
     ViewCones::new(towards, NARROW)
 }
 
-/// Fractions of one batch of a beam: what chance took of the light, at every wavelength; and what views see beyond what leaves, by
-/// side and wavelength.
+/// Fractions of one batch of a beam: what chance took of the light, at every wavelength; and what views see beyond what
+/// leaves, by side and wavelength.
 fn of_beam(light: &YarnToYarn, connected: &Connected, beam: &Beam, batch: usize, particles: usize) -> [Vec<f64>; 2] {
     let (beta, ledger) = light.between(beam, connected, batch, particles);
     let straight = light.straight(beam, &Sides, batch, particles);

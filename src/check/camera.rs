@@ -1,7 +1,7 @@
 //! Camera, angles and gloss against what geometry and Fresnel's formulas say of them, without chance.
 
 use super::Context;
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use crate::compare::Geometry;
 use crate::geometry::Vec3;
 use crate::optics::gauss_legendre;
@@ -85,7 +85,7 @@ pub fn pixels(context: &Context) -> Result<Gate, super::CheckError> {
     Ok(context
         .judge
         .exact(PIXELS, &departures, context.plan.study.check.rounding, |i| {
-            Place::named(places[i].clone())
+            Where::named(places[i].clone())
         }))
 }
 
@@ -123,12 +123,12 @@ pub fn rig_directions(context: &Context) -> Gate {
     context
         .judge
         .exact(DIRECTIONS, &departures, plan.study.check.rounding, |i| {
-            Place::named(places[i].clone())
+            Where::named(places[i].clone())
         })
 }
 
-/// Relative departures; D of either distribution is 1/(π m²) along the normal, and G is 1 in the mirror direction. Rounding of the
-/// half-way vector goes into D over m².
+/// Relative departures; D of either distribution is 1/(π m²) along the normal, and G is 1 in the mirror direction.
+/// Rounding of the half-way vector goes into D over m².
 pub fn mirror_gloss(context: &Context) -> Result<Gate, super::CheckError> {
     let plan = context.plan;
     let specular = &plan.study.specular;
@@ -174,7 +174,7 @@ pub fn mirror_gloss(context: &Context) -> Result<Gate, super::CheckError> {
     let tolerance = plan.study.check.rounding / m2;
     Ok(context
         .judge
-        .exact(GLOSS, &departures, tolerance, |i| Place::named(places[i].clone())))
+        .exact(GLOSS, &departures, tolerance, |i| Where::named(places[i].clone())))
 }
 
 /// ∫ D cosα dω over the hemisphere = π ∫ D cos⁴α d(tan²α), with tan²α = m² x/(1 − x).

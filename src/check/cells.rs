@@ -1,6 +1,6 @@
 //! Cells of f*: light goes into the cell of where and in what direction it leaves, and a table is read where it says.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::{CheckError, Context};
 use crate::geometry::Vec3;
 use crate::optics::{Medium, Phase, PhaseTable};
@@ -27,8 +27,8 @@ const EVEN: [f64; 4] = [
     0.538_597_257_223_612_6,
 ];
 
-/// At the azimuth φ from the light the yarn's normal is φ beyond the light's meridian, so that light from the tilt ψ has there the
-/// components (tangent, axis, normal) = (−sinφ cosψ, sinψ, cosφ cosψ).
+/// At the azimuth φ from the light the yarn's normal is φ beyond the light's meridian, so that light from the tilt ψ
+/// has there the components (tangent, axis, normal) = (−sinφ cosψ, sinψ, cosφ cosψ).
 pub fn lookup(context: &Context) -> Gate {
     let grid = context.plan.factor_grid;
     let exit = *grid.surface().exit();
@@ -62,7 +62,7 @@ pub fn lookup(context: &Context) -> Gate {
     let rounding = context.plan.study.check.rounding;
     context
         .judge
-        .exact(LOOKUP, &departures, rounding, |i| Place::named(format!("pair {i}")))
+        .exact(LOOKUP, &departures, rounding, |i| Where::named(format!("pair {i}")))
 }
 
 /// Axes of the cells that light is followed into.
@@ -75,8 +75,8 @@ const NODES: usize = 16_385;
 /// μ_s times the yarn's diameter.
 const DEPTH: f64 = 3.0;
 const PATHS: u64 = 4096;
-/// Of the light of a tilt, in any cell. With 4096 paths, even across the yarn, chance moves at most 0.01 from cell to cell; one cell
-/// beside moves 0.1 and more.
+/// Of the light of a tilt, in any cell. With 4096 paths, even across the yarn, chance moves at most 0.01 from cell to
+/// cell; one cell beside moves 0.1 and more.
 const TOLERANCE: f64 = 0.03;
 /// Of the sum over beams, across the yarn and over the tilts of a cell.
 const HEIGHTS: usize = 1000;
@@ -114,14 +114,14 @@ pub fn straight(context: &Context) -> Result<Gate, CheckError> {
     Ok(judge.exact(CELLS, &departures, TOLERANCE, |i| {
         let (tilt, azimuth) = (i / per_tilt, i % per_tilt / (THETAS * PHIS));
         let (theta, phi) = (i % (THETAS * PHIS) / PHIS, i % PHIS);
-        Place::named(format!(
+        Where::named(format!(
             "cells: tilt {tilt}, azimuth {azimuth}, exit theta {theta}, phi {phi}"
         ))
     }))
 }
 
-/// Fraction of the light of a tilt cell that scatters and leaves through each of its cells: a beam at the height h, in radii, comes
-/// out at the normal (h, 0, −√(1 − h²)) along (0, −sinψ, −cosψ), after 2R √(1 − h²)/cosψ.
+/// Fraction of the light of a tilt cell that scatters and leaves through each of its cells: a beam at the height h, in
+/// radii, comes out at the normal (h, 0, −√(1 − h²)) along (0, −sinψ, −cosψ), after 2R √(1 − h²)/cosψ.
 fn expected(tilt: usize) -> Vec<f64> {
     let edge = |k: usize| (k as f64 * FRAC_PI_2 / TILTS as f64).sin();
     let (low, high) = (edge(tilt), edge(tilt + 1));

@@ -1,5 +1,5 @@
 use super::CheckError;
-use super::gate::{Gate, Verdict};
+use super::gate::{Gate, GateVerdict};
 use crate::report::InputDigest;
 use serde::{Deserialize, Serialize};
 
@@ -73,7 +73,7 @@ pub struct Subject {
 /// All gates of a check.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Checked {
-    pub verdict: Verdict,
+    pub verdict: GateVerdict,
     pub gates: Vec<Gate>,
     /// Drift from the baseline, where there was one.
     pub drift: Option<Drift>,
@@ -84,7 +84,7 @@ pub struct Checked {
 impl Checked {
     pub(super) fn new(gates: Vec<Gate>, quantities: Vec<Quantity>, subject: Subject) -> Self {
         Self {
-            verdict: Verdict::of_all(gates.iter().map(|gate| gate.verdict)),
+            verdict: GateVerdict::of_all(gates.iter().map(|gate| gate.verdict)),
             gates,
             drift: None,
             quantities,
@@ -94,7 +94,7 @@ impl Checked {
 
     pub(super) fn add(&mut self, gate: Gate) {
         self.gates.push(gate);
-        self.verdict = Verdict::of_all(self.gates.iter().map(|gate| gate.verdict));
+        self.verdict = GateVerdict::of_all(self.gates.iter().map(|gate| gate.verdict));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Energy of the cloth: what it reflects, transmits and absorbs of a parallel beam, integrated over all directions.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::{CheckError, Context, Quantity};
 use crate::rig::{omega_in, view_cell};
 use crate::run::{Plan, hemisphere};
@@ -80,7 +80,7 @@ impl<'a> ClothEnergy<'a> {
         let (wavelengths, nm) = (plan.grid.len(), plan.grid.nm());
         let at = |i: usize| {
             let theta = plan.rig.incidences_deg()[i / wavelengths];
-            Place::new(nm[i % wavelengths], format!("theta_i {theta} deg"))
+            Where::new(nm[i % wavelengths], format!("theta_i {theta} deg"))
         };
         let sum = |parts: &[&Vec<Vec<f64>>]| -> Vec<Vec<f64>> {
             let batches = 0..self.reflected.len();
@@ -99,7 +99,7 @@ impl<'a> ClothEnergy<'a> {
         let albedo = judge.at_most_zero(ALBEDO, &sum(&[&self.reflected, &self.transmitted]), tolerance, at);
         let albedo = match least < 0.0 {
             true => Gate {
-                verdict: super::Verdict::Broken,
+                verdict: super::GateVerdict::Broken,
                 ..albedo
             }
             .with_note(format!("negative light: {least:e}")),
@@ -123,7 +123,8 @@ impl<'a> ClothEnergy<'a> {
     }
 }
 
-/// Absorbed by the yarns that the beam meets first: of rays even across the beam, the ledger of the tilt each has on its yarn.
+/// Absorbed by the yarns that the beam meets first: of rays even across the beam, the ledger of the tilt each has on
+/// its yarn.
 fn absorbed_of(
     plan: &Plan,
     samples: &crate::rig::PixelSamples,

@@ -13,8 +13,8 @@ pub struct Context<'a> {
     pub(super) widening: f64,
 }
 
-/// What shared paths carry is good to parts in 10⁶ of the incident flux (`transport::spectral`), what the others carry to
-/// rounding.
+/// What shared paths carry is good to parts in 10⁶ of the incident flux (`transport::spectral`), what the others carry
+/// to rounding.
 const SINGLE_PRECISION: f64 = 1e-6;
 const DOUBLE_PRECISION: f64 = 1e-12;
 

@@ -1,6 +1,6 @@
 //! The yarn without scattering: closed forms of the empty and of the purely absorbing cylinder.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::{CheckError, Context};
 use crate::optics::{HenyeyGreenstein, Medium, Phase, gauss_legendre};
 use crate::transport::Fraction;
@@ -67,15 +67,15 @@ pub fn closed_forms(context: &Context) -> Result<Gate, CheckError> {
         let body = if tilt < TILTS { "empty" } else { "absorbing" };
         let [low, high] = grid.sines(tilt % TILTS).map(|sine| sine.asin().to_degrees());
         let at = format!("{body}, {quantity}, tilt {low:.0} to {high:.0} deg");
-        Place::new(plan.grid.nm()[cell % wavelengths], at)
+        Where::new(plan.grid.nm()[cell % wavelengths], at)
     }))
 }
 
-/// Reflected, transmitted and absorbed fractions of parallel beams over the whole width of a cylinder of index n, mean over
-/// beams even in sin ψ between two sines; `depth` is μ_a R.
+/// Reflected, transmitted and absorbed fractions of parallel beams over the whole width of a cylinder of index n, mean
+/// over beams even in sin ψ between two sines; `depth` is μ_a R.
 ///
-/// A ray that enters at the height h, in radii, meets every wall at the same angle: with a = exp(−μ_a L) along its chord L
-/// and the reflectance r of the surface, T = (1 − r)² a / (1 − r a) and A = (1 − r)(1 − a)/(1 − r a).
+/// A ray that enters at the height h, in radii, meets every wall at the same angle: with a = exp(−μ_a L) along its
+/// chord L and the reflectance r of the surface, T = (1 − r)² a / (1 − r a) and A = (1 − r)(1 − a)/(1 − r a).
 pub(super) fn beam(index: f64, depth: f64, sines: [f64; 2]) -> [f64; 3] {
     let [low, high] = sines.map(f64::asin);
     let heights = gauss_legendre(HEIGHT_NODES);
@@ -116,8 +116,8 @@ fn ray(index: f64, depth: f64, tilt: f64, height: f64) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Without a surface, index 1, nothing is reflected and the empty cylinder transmits all light; with any index and depth the
-    /// three fractions add up to 1 and are those of a rule with ten and forty times as many nodes.
+    /// Without a surface, index 1, nothing is reflected and the empty cylinder transmits all light; with any index and
+    /// depth the three fractions add up to 1 and are those of a rule with ten and forty times as many nodes.
     #[test]
     fn closed_form_is_accurate_at_every_index_and_depth() {
         for sines in [[0.0, 0.25], [0.75, 1.0]] {

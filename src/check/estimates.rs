@@ -1,6 +1,6 @@
 //! Standard errors and normalisation, against numbers of which both are known.
 
-use super::gate::{Gate, Law, Place, estimates};
+use super::gate::{Gate, Law, Where, estimates};
 use super::{CheckError, Context};
 use crate::compare::{Comparison, Geometry, Propagation};
 use crate::run::{RunError, SpectralCurves};
@@ -17,7 +17,8 @@ const NORMALISATION: Law = Law {
     words: "normalised, model and classical shading have the measured luminance at normal incidence and view",
 };
 
-/// The variance of 1, 2, …, n about their mean is n (n + 1)/12, so that the standard error of the mean is √((n + 1)/12): 1 for 11.
+/// The variance of 1, 2, …, n about their mean is n (n + 1)/12, so that the standard error of the mean is √((n +
+/// 1)/12): 1 for 11.
 const BATCHES: usize = 11;
 const MEAN: f64 = 6.0;
 
@@ -62,7 +63,7 @@ pub fn standard_errors(context: &Context) -> Result<Gate, CheckError> {
     Ok(context
         .judge
         .exact(ERRORS, &departures, context.plan.study.check.rounding, |i| {
-            Place::named(format!("{}, {}", ways[i / 2].0, ["mean", "standard error"][i % 2]))
+            Where::named(format!("{}, {}", ways[i / 2].0, ["mean", "standard error"][i % 2]))
         }))
 }
 
@@ -91,6 +92,6 @@ pub fn normalisation(context: &Context) -> Result<Gate, CheckError> {
     Ok(context
         .judge
         .exact(NORMALISATION, &departures, context.plan.study.check.rounding, |i| {
-            Place::named(["model", "classical shading"][i])
+            Where::named(["model", "classical shading"][i])
         }))
 }

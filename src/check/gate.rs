@@ -1,3 +1,4 @@
+use crate::number::significant;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::cmp::Ordering;
@@ -5,7 +6,7 @@ use std::cmp::Ordering;
 /// What a gate found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Verdict {
+pub enum GateVerdict {
     Holds,
     /// The law is broken, by more than chance or rounding.
     Broken,
@@ -13,7 +14,7 @@ pub enum Verdict {
     Undecided,
 }
 
-impl Verdict {
+impl GateVerdict {
     pub fn word(self) -> &'static str {
         match self {
             Self::Holds => "holds",
@@ -34,13 +35,13 @@ impl Verdict {
 
 /// Where among a gate's cells.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Place {
+pub struct Where {
     pub wavelength_nm: Option<f64>,
     /// The rest in words: direction, tilt, quantity.
     pub at: String,
 }
 
-impl Place {
+impl Where {
     pub fn new(wavelength_nm: f64, at: impl Into<String>) -> Self {
         Self {
             wavelength_nm: Some(wavelength_nm),
@@ -53,6 +54,16 @@ impl Place {
         Self {
             wavelength_nm: None,
             at: at.into(),
+        }
+    }
+}
+
+impl std::fmt::Display for Where {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.wavelength_nm {
+            Some(nm) if self.at.is_empty() => write!(f, "{nm} nm"),
+            Some(nm) => write!(f, "{nm} nm {}", self.at),
+            None => f.write_str(&self.at),
         }
     }
 }
@@ -72,7 +83,7 @@ pub struct Gate {
     /// Values that the law was tested on, all together.
     pub cells: usize,
     /// The cell furthest from the law: by size for laws that hold to rounding, by size over error for the others.
-    pub worst: Place,
+    pub worst: Where,
     /// Departure of that cell from the law, in the unit of the tolerance.
     pub value: f64,
     /// Its standard error; 0 where nothing is random.
@@ -84,7 +95,7 @@ pub struct Gate {
     pub z: Option<f64>,
     /// Probability of a departure as large anywhere among the cells, if the law holds.
     pub p: Option<f64>,
-    pub verdict: Verdict,
+    pub verdict: GateVerdict,
     /// For `--paths`: how many would tell.
     pub paths_to_tell: Option<u64>,
     /// What else is to be known.
@@ -95,8 +106,8 @@ pub struct Gate {
 const ROUNDING_OF_MEANS: f64 = 1e-12;
 
 /// Fraction of the tolerance below which no departure breaks a law in the mean, however small its standard error. Where
-/// what departs is rare, as scattering in a nearly empty yarn, the batches that happen to miss it have next to no spread,
-/// and Student's t does not hold.
+/// what departs is rare, as scattering in a nearly empty yarn, the batches that happen to miss it have next to no
+/// spread, and Student's t does not hold.
 const NEGLIGIBLE: f64 = 1e-2;
 
 /// The two ways to judge.
@@ -112,7 +123,7 @@ pub struct Judge {
 
 impl Judge {
     /// A law without chance: every departure is at most the tolerance. One that is no number breaks it.
-    pub fn exact(&self, law: Law, departures: &[f64], tolerance: f64, place: impl Fn(usize) -> Place) -> Gate {
+    pub fn exact(&self, law: Law, departures: &[f64], tolerance: f64, place: impl Fn(usize) -> Where) -> Gate {
         // In this order NaN is the largest.
         let worst = (0..departures.len()).max_by(|&a, &b| departures[a].abs().total_cmp(&departures[b].abs()));
         let value = worst.map_or(0.0, |i| departures[i]);
@@ -122,9 +133,9 @@ impl Judge {
             value,
             tolerance,
             verdict: if value.abs() <= tolerance {
-                Verdict::Holds
+                GateVerdict::Holds
             } else {
-                Verdict::Broken
+                GateVerdict::Broken
             },
             ..Gate::undecided(law)
         }
@@ -136,18 +147,18 @@ impl Judge {
     }
 
     /// The means of all cells are 0. `batches` are independent, [batch][cell].
-    pub fn zero(&self, law: Law, batches: &[Vec<f64>], tolerance: f64, place: impl Fn(usize) -> Place) -> Gate {
+    pub fn zero(&self, law: Law, batches: &[Vec<f64>], tolerance: f64, place: impl Fn(usize) -> Where) -> Gate {
         self.means(law, batches, tolerance, |t| t.abs(), 2.0, place)
     }
 
     /// The means of all cells are 0 or less.
-    pub fn at_most_zero(&self, law: Law, batches: &[Vec<f64>], tolerance: f64, place: impl Fn(usize) -> Place) -> Gate {
+    pub fn at_most_zero(&self, law: Law, batches: &[Vec<f64>], tolerance: f64, place: impl Fn(usize) -> Where) -> Gate {
         self.means(law, batches, tolerance, |t| t, 1.0, place)
     }
 
-    /// Student's t of every cell from the spread of its batches, all cells together after Šidák (1967): with n cells the
-    /// joint p is 1 − (1 − p)ⁿ, exact for independent cells and too large, hence safe, for dependent ones. A cell can break
-    /// the law only if its departure also exceeds [`Self::floor`].
+    /// Student's t of every cell from the spread of its batches, all cells together after Šidák (1967): with n cells
+    /// the joint p is 1 − (1 − p)ⁿ, exact for independent cells and too large, hence safe, for dependent ones. A cell
+    /// can break the law only if its departure also exceeds [`Self::floor`].
     fn means(
         &self,
         law: Law,
@@ -155,7 +166,7 @@ impl Judge {
         tolerance: f64,
         size: fn(f64) -> f64,
         sides: f64,
-        place: impl Fn(usize) -> Place,
+        place: impl Fn(usize) -> Where,
     ) -> Gate {
         let estimates = estimates(batches);
         let floor = self.floor(tolerance);
@@ -182,7 +193,8 @@ impl Judge {
             -student.inverse_cdf(one / sides)
         });
         let largest_se = estimates.iter().map(|e| e[1]).fold(0.0, f64::max);
-        // How many times the paths until no cell could hide a departure of the tolerance; one far below a bound hides none.
+        // How many times the paths until no cell could hide a departure of the tolerance; one far below a bound hides
+        // none.
         let hidden = |[value, se]: &[f64; 2]| {
             let room = if sides == 1.0 { value.min(0.0) } else { 0.0 };
             (critical * se / (tolerance - room)).powi(2)
@@ -190,11 +202,11 @@ impl Judge {
         let needed = estimates.iter().map(hidden).fold(0.0, f64::max);
         let resolved = floor < tolerance;
         let verdict = if p.is_nan() || beyond_floor(worst) && p < self.level {
-            Verdict::Broken
+            GateVerdict::Broken
         } else if needed <= 1.0 && resolved {
-            Verdict::Holds
+            GateVerdict::Holds
         } else {
-            Verdict::Undecided
+            GateVerdict::Undecided
         };
         Gate {
             cells: estimates.len(),
@@ -207,11 +219,12 @@ impl Judge {
             p: Some(p),
             verdict,
             // A fifth more, since the error that says so is itself uncertain.
-            paths_to_tell: (verdict == Verdict::Undecided && resolved)
+            paths_to_tell: (verdict == GateVerdict::Undecided && resolved)
                 .then(|| (1.2 * needed * self.paths as f64).ceil() as u64),
             note: (!resolved).then(|| {
                 format!(
-                    "the arithmetic is good to {floor:.0e}, and no number of paths shows less; allow a larger tolerance"
+                    "the arithmetic is good to {}, and no number of paths shows less; allow a larger tolerance",
+                    significant(floor, 1)
                 )
             }),
             ..Gate::undecided(law)
@@ -226,14 +239,14 @@ impl Gate {
             name: law.name,
             law: law.words,
             cells: 0,
-            worst: Place::default(),
+            worst: Where::default(),
             value: 0.0,
             se: 0.0,
             tolerance: 0.0,
             largest_se: 0.0,
             z: None,
             p: None,
-            verdict: Verdict::Undecided,
+            verdict: GateVerdict::Undecided,
             paths_to_tell: None,
             note: None,
         }
@@ -250,21 +263,19 @@ impl Gate {
     pub fn message(&self) -> String {
         let mut text = String::new();
         if self.cells > 0 {
-            let nm = self.worst.wavelength_nm.map(|nm| format!("{nm} nm "));
-            text = format!(
-                "worst of {}: {}{}, {:.3e}",
-                self.cells,
-                nm.unwrap_or_default(),
-                self.worst.at,
-                self.value
-            );
+            let place = self.worst.to_string();
+            let gap = if place.is_empty() { "" } else { ", " };
+            text = format!("worst of {}: {place}{gap}{}", self.cells, significant(self.value, 4));
             text += &match (self.z, self.p) {
-                (Some(z), Some(p)) => format!(" ± {:.1e} (z {z:.2}, joint p {p:.2e})", self.se),
-                _ => format!(", tolerance {:.0e}", self.tolerance),
+                (Some(z), Some(p)) => {
+                    let [se, z, p] = [(self.se, 2), (z, 3), (p, 3)].map(|(number, digits)| significant(number, digits));
+                    format!(" ± {se} (z {z}, joint p {p})")
+                }
+                _ => format!(", tolerance {}", significant(self.tolerance, 2)),
             };
         }
-        if self.verdict == Verdict::Undecided && self.cells > 0 {
-            text += &format!("; a departure of {:.1e} might be missed", self.tolerance);
+        if self.verdict == GateVerdict::Undecided && self.cells > 0 {
+            text += &format!("; a departure of {} might be missed", significant(self.tolerance, 2));
         }
         if let Some(paths) = self.paths_to_tell {
             text += &format!(": --paths {paths} would tell");
@@ -321,25 +332,25 @@ mod tests {
         let spread = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
         let se = (10.0f64 / 90.0).sqrt();
         let shifted: Vec<f64> = spread.iter().map(|x| x + 3.0 * se).collect();
-        let gate = JUDGE.zero(LAW, &batches(&shifted), 10.0, |_| Place::default());
+        let gate = JUDGE.zero(LAW, &batches(&shifted), 10.0, |_| Where::default());
         assert!((gate.p.unwrap() - 0.014956).abs() < 1e-5, "{gate:?}");
-        assert_eq!(gate.verdict, Verdict::Holds);
-        let one_sided = JUDGE.at_most_zero(LAW, &batches(&shifted), 10.0, |_| Place::default());
+        assert_eq!(gate.verdict, GateVerdict::Holds);
+        let one_sided = JUDGE.at_most_zero(LAW, &batches(&shifted), 10.0, |_| Where::default());
         assert!((one_sided.p.unwrap() - 0.007478).abs() < 1e-5);
         let below: Vec<f64> = shifted.iter().map(|x| -x - 100.0).collect();
         assert_eq!(
             JUDGE
-                .at_most_zero(LAW, &batches(&below), 1e9, |_| Place::default())
+                .at_most_zero(LAW, &batches(&below), 1e9, |_| Where::default())
                 .verdict,
-            Verdict::Holds
+            GateVerdict::Holds
         );
     }
 
     #[test]
     fn too_few_paths_cannot_tell_and_say_how_many_would() {
         let values = [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
-        let gate = JUDGE.zero(LAW, &batches(&values), 0.1, |_| Place::default());
-        assert_eq!(gate.verdict, Verdict::Undecided);
+        let gate = JUDGE.zero(LAW, &batches(&values), 0.1, |_| Where::default());
+        assert_eq!(gate.verdict, GateVerdict::Undecided);
         // t of 1e-3 on both sides with 9 degrees of freedom is 4.781.
         let expected = 1.2 * (4.781 * (10.0f64 / 90.0).sqrt() / 0.1).powi(2) * 1000.0;
         assert!(
@@ -348,26 +359,27 @@ mod tests {
         );
     }
 
-    /// A departure below the precision of the arithmetic or a hundredth of the tolerance is no breach, though every batch
-    /// has it; one above either is. A tolerance below the precision cannot be told.
+    /// A departure below the precision of the arithmetic or a hundredth of the tolerance is no breach, though every
+    /// batch has it; one above either is. A tolerance below the precision cannot be told.
     #[test]
     fn the_judge_knows_its_precision() {
         let verdict = |departure: f64, precision, tolerance| {
             let judge = Judge { precision, ..JUDGE };
-            let gate = judge.zero(LAW, &batches(&[departure; 8]), tolerance, |_| Place::default());
+            let gate = judge.zero(LAW, &batches(&[departure; 8]), tolerance, |_| Where::default());
             (gate.verdict, gate.paths_to_tell)
         };
-        assert_eq!(verdict(1.86e-9, 1e-6, 2e-3), (Verdict::Holds, None));
-        assert_eq!(verdict(1.9e-5, 1e-12, 2e-3), (Verdict::Holds, None));
-        assert_eq!(verdict(-2.1e-5, 1e-6, 2e-3), (Verdict::Broken, None));
-        // Scattering so rare that 64 batches of 187 paths have next to no spread: host and particles of index 1, seed 1.
-        assert_eq!(verdict(1.54e-4, 1e-6, 0.14), (Verdict::Holds, None));
-        assert_eq!(verdict(1.1e-6, 1e-6, 1e-5), (Verdict::Broken, None));
-        assert_eq!(verdict(0.0, 1e-6, 1e-7), (Verdict::Undecided, None));
+        assert_eq!(verdict(1.86e-9, 1e-6, 2e-3), (GateVerdict::Holds, None));
+        assert_eq!(verdict(1.9e-5, 1e-12, 2e-3), (GateVerdict::Holds, None));
+        assert_eq!(verdict(-2.1e-5, 1e-6, 2e-3), (GateVerdict::Broken, None));
+        // Scattering so rare that 64 batches of 187 paths have next to no spread: host and particles of index 1, seed
+        // 1.
+        assert_eq!(verdict(1.54e-4, 1e-6, 0.14), (GateVerdict::Holds, None));
+        assert_eq!(verdict(1.1e-6, 1e-6, 1e-5), (GateVerdict::Broken, None));
+        assert_eq!(verdict(0.0, 1e-6, 1e-7), (GateVerdict::Undecided, None));
         // The cell beyond the floor is shown, not the one with the larger t below it.
         let mut two = vec![vec![1e-7, 0.01], vec![1e-7, 0.011]];
         two.extend(two.clone());
-        let gate = JUDGE.zero(LAW, &two, 1.0, |i| Place::named(i.to_string()));
+        let gate = JUDGE.zero(LAW, &two, 1.0, |i| Where::named(i.to_string()));
         assert_eq!(gate.worst.at, "1", "{gate:?}");
     }
 
@@ -375,26 +387,26 @@ mod tests {
     #[test]
     fn no_spread_and_no_number() {
         assert_eq!(
-            JUDGE.zero(LAW, &batches(&[0.0; 8]), 0.1, |_| Place::default()).verdict,
-            Verdict::Holds
+            JUDGE.zero(LAW, &batches(&[0.0; 8]), 0.1, |_| Where::default()).verdict,
+            GateVerdict::Holds
         );
         assert_eq!(
-            JUDGE.zero(LAW, &batches(&[2e-3; 8]), 0.1, |_| Place::default()).verdict,
-            Verdict::Broken
+            JUDGE.zero(LAW, &batches(&[2e-3; 8]), 0.1, |_| Where::default()).verdict,
+            GateVerdict::Broken
         );
         assert_eq!(
             JUDGE
-                .zero(LAW, &batches(&[f64::NAN; 8]), 0.1, |_| Place::default())
+                .zero(LAW, &batches(&[f64::NAN; 8]), 0.1, |_| Where::default())
                 .verdict,
-            Verdict::Broken
+            GateVerdict::Broken
         );
         assert_eq!(
-            JUDGE.exact(LAW, &[0.0, f64::NAN], 1.0, |_| Place::default()).verdict,
-            Verdict::Broken
+            JUDGE.exact(LAW, &[0.0, f64::NAN], 1.0, |_| Where::default()).verdict,
+            GateVerdict::Broken
         );
         assert_eq!(
-            JUDGE.exact(LAW, &[0.0, -1e-13], 1e-12, |_| Place::default()).verdict,
-            Verdict::Holds
+            JUDGE.exact(LAW, &[0.0, -1e-13], 1e-12, |_| Where::default()).verdict,
+            GateVerdict::Holds
         );
     }
 }

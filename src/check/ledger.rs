@@ -1,6 +1,6 @@
 //! Energy ledger of every wavelength and incident direction, and the white furnace.
 
-use super::gate::{Gate, Law, Place, estimates};
+use super::gate::{Gate, Law, Where, estimates};
 use super::{CheckError, Context, Quantity};
 use crate::study::NumberOrTable;
 use crate::transport::{Fraction, FractionList, Ledger, Roulette};
@@ -108,7 +108,7 @@ pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError
         } else {
             "white yarn, played always"
         };
-        Place::new(plan.grid.nm()[i % wavelengths], format!("{yarn}, mean over directions"))
+        Where::new(plan.grid.nm()[i % wavelengths], format!("{yarn}, mean over directions"))
     }));
     let mut quantities = Vec::new();
     for fraction in COMPARED {
@@ -146,7 +146,7 @@ fn traced(context: &Context, yarn: &Yarn, effort: Effort) -> Result<Vec<Vec<Ledg
 }
 
 /// Place of value i of batch × traced direction × wavelength.
-fn place(context: &Context, i: usize) -> Place {
+fn place(context: &Context, i: usize) -> Where {
     let plan = context.plan;
     let (wavelengths, traced) = (plan.grid.len(), plan.incident.traced());
     let direction = i / wavelengths % traced;
@@ -156,7 +156,7 @@ fn place(context: &Context, i: usize) -> Place {
         .find(|&k| plan.incident.representative(k).0 == direction)
         .unwrap_or(direction);
     let [theta, phi] = plan.incident.angles_deg(named);
-    Place::new(
+    Where::new(
         plan.grid.nm()[i % wavelengths],
         format!("theta_in {theta} deg, phi_in {phi} deg"),
     )

@@ -1,6 +1,6 @@
 //! The medium: passive, dyed within its table, with phase functions that are densities and that paths turn by.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::{CheckError, Context};
 use crate::geometry::Vec3;
 use crate::optics::{HenyeyGreenstein, Medium, Phase, PhaseTable};
@@ -44,7 +44,7 @@ pub fn passive(medium: &Medium, tolerance: &Context) -> Gate {
     let departures: Vec<f64> = mu_s.iter().chain(mu_a).map(gain).collect();
     tolerance.judge.exact(PASSIVE, &departures, 0.0, |i| {
         let quantity = if i < nm.len() { "mu_s, 1/mm" } else { "mu_a, 1/mm" };
-        Place::new(nm[i % nm.len()], quantity)
+        Where::new(nm[i % nm.len()], quantity)
     })
 }
 
@@ -53,7 +53,7 @@ pub fn tables(context: &Context) -> Result<Vec<Gate>, CheckError> {
     let rounding = plan.study.check.rounding;
     let medium = &plan.yarn.medium;
     let nm = plan.grid.nm();
-    let at = |i: usize| Place::new(nm[i], "");
+    let at = |i: usize| Where::new(nm[i], "");
     let beyond = |value: &f64| value - value.clamp(0.0, 1.0);
     let dye: Vec<f64> = dye_on(&plan.study, &plan.grid)?.values().iter().map(beyond).collect();
     let integrals: Vec<[f64; 2]> = (0..nm.len()).map(|w| integrals(medium.phase(w))).collect();
@@ -92,8 +92,8 @@ fn of_table(table: &PhaseTable) -> [f64; 2] {
     sums
 }
 
-/// The yarn at the first, the middle and the last of its wavelengths, with the scattering and absorption, 1/mm, that `of` makes of the
-/// number of a wavelength among them and its own.
+/// The yarn at the first, the middle and the last of its wavelengths, with the scattering and absorption, 1/mm, that
+/// `of` makes of the number of a wavelength among them and its own.
 pub fn few_wavelengths(yarn: &Yarn, of: impl Fn(usize, [f64; 2]) -> [f64; 2]) -> Result<Yarn, CheckError> {
     let medium = &yarn.medium;
     let last = medium.grid().len() - 1;
@@ -118,14 +118,14 @@ pub fn few_wavelengths(yarn: &Yarn, of: impl Fn(usize, [f64; 2]) -> [f64; 2]) ->
 /// So thin that next to nothing scatters twice: 2 μ_s R.
 const THIN: f64 = 1e-6;
 
-/// Phase functions as unlike as can be, forward, even all around and backward, and what μ_s is times: whose turn it is and whose angle is
-/// drawn then shows at once, which between neighbours of a study's grid it hardly does.
+/// Phase functions as unlike as can be, forward, even all around and backward, and what μ_s is times: whose turn it is
+/// and whose angle is drawn then shows at once, which between neighbours of a study's grid it hardly does.
 const CONTRAST: [(f64, f64); 3] = [(0.7, 1.0), (0.0, 2.0), (-0.7, 4.0)];
 const CONTRAST_NODES: usize = 257;
 
-/// One scattering in an index-matched cylinder, by the kernel itself: the first flight of a path is drawn under the condition
-/// that it meets a particle, so every path does. Of the study's phase functions, which all have one μ_s here and share paths, and
-/// of three that are unlike. With their mean cosine goes their amount of light.
+/// One scattering in an index-matched cylinder, by the kernel itself: the first flight of a path is drawn under the
+/// condition that it meets a particle, so every path does. Of the study's phase functions, which all have one μ_s here
+/// and share paths, and of three that are unlike. With their mean cosine goes their amount of light.
 pub fn angles(context: &Context) -> Result<Gate, CheckError> {
     let Context { plan, judge, .. } = context;
     let nm = plan.grid.nm();
@@ -153,8 +153,8 @@ pub fn angles(context: &Context) -> Result<Gate, CheckError> {
     Ok(judge.zero(ANGLE, &batches, tolerance, |i| {
         let quantity = ["mean cosine", "amount"][i % 2];
         match i < of_own {
-            true => Place::new(nm[i / 2], quantity),
-            false => Place::named(format!("{quantity} of g = {}", CONTRAST[(i - of_own) / 2].0)),
+            true => Where::new(nm[i / 2], quantity),
+            false => Where::named(format!("{quantity} of g = {}", CONTRAST[(i - of_own) / 2].0)),
         }
     }))
 }

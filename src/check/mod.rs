@@ -32,7 +32,7 @@ pub use baseline::Baseline;
 pub use checked::{CheckEffort, Checked, Drift, Moved, Quantity, Subject};
 pub use context::Context;
 pub use error::{BaselineError, CheckError};
-pub use gate::{Gate, Judge, Law, Place, Verdict};
+pub use gate::{Gate, GateVerdict, Judge, Law, Where};
 pub use output::{annotations, junit, table};
 pub use sample::sample;
 pub use study::study;

@@ -1,7 +1,8 @@
 //! A check as text, as JUnit XML and as annotations of GitHub's workflow commands: pure functions.
 
-use super::gate::{Gate, Verdict};
+use super::gate::{Gate, GateVerdict};
 use super::{CheckError, Checked};
+use crate::number::significant;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 use std::fmt::Write;
@@ -14,23 +15,21 @@ pub fn table(checked: &Checked) -> String {
         "gate", "verdict", "cells", "value", "se", "tolerance", "z"
     );
     for gate in &checked.gates {
-        let nm = gate.worst.wavelength_nm.map(|nm| format!("{nm} nm "));
-        let z = gate.z.map_or(String::new(), |z| format!("{z:.2}"));
+        let z = gate.z.map_or("–".into(), |z| significant(z, 3));
         let _ = writeln!(
             text,
-            "{:<width$} {:<10} {:>7} {:>10.2e} {:>9.1e} {:>9.1e} {z:>7}  {}{}",
+            "{:<width$} {:<10} {:>7} {:>10} {:>9} {:>9} {z:>7}  {}",
             gate.name,
             gate.verdict.word(),
             gate.cells,
-            gate.value,
-            gate.se,
-            gate.tolerance,
-            nm.unwrap_or_default(),
-            gate.worst.at
+            significant(gate.value, 3),
+            significant(gate.se, 2),
+            significant(gate.tolerance, 2),
+            gate.worst
         );
     }
     for gate in &checked.gates {
-        if gate.verdict != Verdict::Holds || gate.note.is_some() {
+        if gate.verdict != GateVerdict::Holds || gate.note.is_some() {
             let _ = writeln!(text, "\n{}: {}\n  {}", gate.name, gate.law, gate.message());
         }
     }
@@ -53,9 +52,9 @@ pub fn table(checked: &Checked) -> String {
         text,
         "\n{}: {} hold, {} broken, {} undecided",
         checked.verdict.word(),
-        count(Verdict::Holds),
-        count(Verdict::Broken),
-        count(Verdict::Undecided)
+        count(GateVerdict::Holds),
+        count(GateVerdict::Broken),
+        count(GateVerdict::Undecided)
     );
     text
 }
@@ -68,8 +67,8 @@ pub fn junit(checked: &Checked) -> Result<Vec<u8>, CheckError> {
     };
     let totals = [
         ("tests", checked.gates.len().to_string()),
-        ("failures", count(Verdict::Broken)),
-        ("errors", count(Verdict::Undecided)),
+        ("failures", count(GateVerdict::Broken)),
+        ("errors", count(GateVerdict::Undecided)),
     ];
     let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
     writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
@@ -98,14 +97,14 @@ fn case(writer: &mut Writer<Vec<u8>>, gate: &Gate) -> std::io::Result<()> {
         .with_attributes([("classname", "specval.check"), ("name", gate.name)]);
     let message = gate.message();
     let outcome = match gate.verdict {
-        Verdict::Holds => "system-out",
-        Verdict::Broken => "failure",
-        Verdict::Undecided => "error",
+        GateVerdict::Holds => "system-out",
+        GateVerdict::Broken => "failure",
+        GateVerdict::Undecided => "error",
     };
     case.write_inner_content(|writer| {
         let element = writer.create_element(outcome);
         let element = match gate.verdict {
-            Verdict::Holds => element,
+            GateVerdict::Holds => element,
             _ => element.with_attributes([("message", message.as_str())]),
         };
         element.write_text_content(BytesText::new(&format!("{}: {message}", gate.law)))?;
@@ -119,9 +118,9 @@ pub fn annotations(checked: &Checked) -> String {
     let mut text = String::new();
     for gate in &checked.gates {
         let command = match gate.verdict {
-            Verdict::Holds => continue,
-            Verdict::Broken => "error",
-            Verdict::Undecided => "warning",
+            GateVerdict::Holds => continue,
+            GateVerdict::Broken => "error",
+            GateVerdict::Undecided => "warning",
         };
         let message = format!("{}: {}", gate.law, gate.message());
         let message = message.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");

@@ -1,8 +1,8 @@
-//! The Mie series and the structure factor done again, as they stand in the textbooks: what they make of the particles is what
-//! the medium must be. Bohren and Huffman, *Absorption and Scattering of Light by Small Particles* (1983), chapter 4; Baxter,
-//! Australian Journal of Physics 21 (1968), 563.
+//! The Mie series and the structure factor done again, as they stand in the textbooks: what they make of the particles
+//! is what the medium must be. Bohren and Huffman, *Absorption and Scattering of Light by Small Particles* (1983),
+//! chapter 4; Baxter, Australian Journal of Physics 21 (1968), 563.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::{CheckError, Context};
 use crate::optics::{Medium, gauss_legendre};
 use crate::run::medium_spec;
@@ -22,10 +22,12 @@ const PHASE: Law = Law {
 
 /// Of the coefficients, relative.
 const COEFFICIENT: f64 = 1e-6;
-/// Of the phase function: relative where it is above that of even scattering, of the latter where it is below. A table is
-/// refined until its g is good to 1e-6 and is normalised as the polygon that it is, which puts the peak of spheres of 5 µm 4e-4 too low.
+/// Of the phase function: relative where it is above that of even scattering, of the latter where it is below. A table
+/// is refined until its g is good to 1e-6 and is normalised as the polygon that it is, which puts the peak of spheres
+/// of 5 µm 4e-4 too low.
 const DENSITY: f64 = 2e-3;
-/// Panels of q d: narrow where dense spheres have sharp peaks of S, and beyond half of what |S1|² takes to go up and down.
+/// Panels of q d: narrow where dense spheres have sharp peaks of S, and beyond half of what |S1|² takes to go up and
+/// down.
 const PEAKS: f64 = 60.0;
 const NARROW: f64 = 0.25;
 const WIDE: f64 = 4.0;
@@ -33,7 +35,8 @@ const PANEL_NODES: usize = 20;
 /// Angles θ = 2 asin(k/32), nodes of every table.
 const ANGLES: usize = 32;
 
-/// Both gates, for the study's medium and for the same particles with interference on or off, whichever the study has not.
+/// Both gates, for the study's medium and for the same particles with interference on or off, whichever the study has
+/// not.
 pub fn gates(context: &Context) -> Result<[Gate; 2], CheckError> {
     let Context { plan, judge, .. } = context;
     let study = &plan.study;
@@ -62,7 +65,8 @@ pub fn gates(context: &Context) -> Result<[Gate; 2], CheckError> {
         )?;
     }
     let of_yarns = departures.each_ref().map(Vec::len);
-    // The study does not need the other medium: where that is refused, as too sharp for a table, there is nothing to test.
+    // The study does not need the other medium: where that is refused, as too sharp for a table, there is nothing to
+    // test.
     if let Ok(yarn) = plan.yarn_of(&other) {
         add(&mut departures, &yarn.medium, &other)?;
     }
@@ -75,12 +79,12 @@ pub fn gates(context: &Context) -> Result<[Gate; 2], CheckError> {
     Ok([
         judge.exact(COEFFICIENTS, &departures[0], COEFFICIENT, |i| {
             let at = format!("{}{}", quantities[i % 3], whose(i, 0));
-            Place::new(nm[i / 3 % nm.len()], at)
+            Where::new(nm[i / 3 % nm.len()], at)
         }),
         judge.exact(PHASE, &departures[1], DENSITY, |i| {
             let degrees = 2.0 * sine(i % (ANGLES + 1)).asin().to_degrees();
             let at = format!("{degrees:.1} deg{}", whose(i, 1));
-            Place::new(nm[i / (ANGLES + 1) % nm.len()], at)
+            Where::new(nm[i / (ANGLES + 1) % nm.len()], at)
         }),
     ])
 }
@@ -113,7 +117,8 @@ fn compare(context: &Context, medium: &Medium, section: &MediumSection) -> Resul
         let sphere = Sphere::new(m, host.values()[w], *nm, section, interfering);
         let [mu_s, mu_ext, g] = sphere.coefficients();
         let mu_a = sphere.absorption() + host_mu_a.values()[w];
-        // Coefficients so small that nothing of them is seen, across the yarn or beside the others, are not compared digit by digit.
+        // Coefficients so small that nothing of them is seen, across the yarn or beside the others, are not compared
+        // digit by digit.
         let least = COEFFICIENT * (mu_ext + host_mu_a.values()[w] + 0.5 / plan.yarn.cylinder.radius_mm());
         let relative = |found: f64, expected: f64| (found - expected) / expected.max(least);
         let scatters = mu_s > least;
@@ -215,8 +220,8 @@ impl Sphere {
         [mu_s, mu_ext, if mu_s > 0.0 { forward / mu_s } else { 0.0 }]
     }
 
-    /// Of spheres that do not interfere, extinction by the optical theorem, 4π N Re S(0)/k², less scattering, term by term:
-    /// (2π N/k²) Σ (2n + 1) (Re a_n − |a_n|² + Re b_n − |b_n|²).
+    /// Of spheres that do not interfere, extinction by the optical theorem, 4π N Re S(0)/k², less scattering, term by
+    /// term: (2π N/k²) Σ (2n + 1) (Re a_n − |a_n|² + Re b_n − |b_n|²).
     fn absorption(&self) -> f64 {
         let terms = zip(&self.a, &self.b).enumerate().map(|(k, (a, b))| {
             let n = (k + 1) as f64;
@@ -258,7 +263,8 @@ fn coefficients(m: Complex64, x: f64) -> (Vec<Complex64>, Vec<Complex64>) {
     )
 }
 
-/// ψ_n = x j_n: upwards as far as that is stable, n ≤ x, and beyond by the ratios ψ_n/ψ_{n−1} of the recurrence downwards.
+/// ψ_n = x j_n: upwards as far as that is stable, n ≤ x, and beyond by the ratios ψ_n/ψ_{n−1} of the recurrence
+/// downwards.
 fn regular(x: f64, last: usize) -> Vec<f64> {
     let mut ratios = vec![0.0; last + 1];
     let mut ratio = 0.0;
@@ -279,8 +285,8 @@ fn regular(x: f64, last: usize) -> Vec<f64> {
     psi
 }
 
-/// S(q) of hard spheres by Baxter's factor: S = 1/|Q|², Q = 1 − 12η ∫₀¹ e^(iys) (a (s² − 1)/2 + b (s − 1)) ds with y = q d,
-/// a = (1 + 2η)/(1 − η)² and b = −3η/(2 (1 − η)²).
+/// S(q) of hard spheres by Baxter's factor: S = 1/|Q|², Q = 1 − 12η ∫₀¹ e^(iys) (a (s² − 1)/2 + b (s − 1)) ds with y =
+/// q d, a = (1 + 2η)/(1 − η)² and b = −3η/(2 (1 − η)²).
 fn baxter(y: f64, fraction: f64) -> f64 {
     let square = (1.0 - fraction).powi(2);
     let (a, b) = ((1.0 + 2.0 * fraction) / square, -1.5 * fraction / square);

@@ -1,6 +1,6 @@
 //! Re-absorption against light that was traced with the other absorption.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::medium::few_wavelengths;
 use super::{CheckError, Context};
 use crate::transport::{BatchSums, Roulette};
@@ -21,7 +21,8 @@ const CHANGE: f64 = 0.1;
 const TOLERANCE: f64 = 5e-3;
 /// Of the incident flux: less scattered light than this has no lengths to speak of.
 const LEAST: f64 = 1e-9;
-/// So few paths of a batch all fly side by side from its beginning, each with random numbers of its own, whatever becomes of the others.
+/// So few paths of a batch all fly side by side from its beginning, each with random numbers of its own, whatever
+/// becomes of the others.
 const PATHS_OF_A_BATCH: u64 = 8;
 const BATCHES: usize = 64;
 
@@ -71,7 +72,7 @@ pub fn gate(context: &Context) -> Result<Gate, CheckError> {
     }
     Ok(judge.exact(LAW, &departures, TOLERANCE, |i| {
         let way = if i < nm.len() { "more" } else { "less" };
-        Place::new(nm[i % nm.len()], format!("{way} absorption, scattered light"))
+        Where::new(nm[i % nm.len()], format!("{way} absorption, scattered light"))
     }))
 }
 

@@ -1,6 +1,6 @@
 //! Rig and colour: a perfect diffuser is white and has β = 1, and the cloth is shaded with f* and no further cosine.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::{CheckError, Context};
 use crate::cloth::light::Integrator;
 use crate::colour::{Adaptation, ColourSystem, Convention, Illuminant, Observer, RgbSpace, Xyz};
@@ -34,8 +34,8 @@ const LOOKUPS: usize = 64;
 /// Fraction of the golden ratio: its multiples fill an interval evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// A table with another value in every cell, looked up at pairs of directions and at their images in the yarn's two mirror
-/// planes and in both.
+/// A table with another value in every cell, looked up at pairs of directions and at their images in the yarn's two
+/// mirror planes and in both.
 pub fn lookup(context: &Context) -> Gate {
     let grid = context.plan.factor_grid;
     let response = YarnResponse::from_fn(grid, 1, |[tilt, azimuth, exit, _]| {
@@ -62,7 +62,7 @@ pub fn lookup(context: &Context) -> Gate {
     let rounding = context.plan.study.check.rounding;
     context.judge.exact(LOOKUP, &departures, rounding, |i| {
         let image = ["tangent", "axis", "tangent and axis"][i % 3];
-        Place::named(format!("pair {}, {image} reversed", i / 3))
+        Where::named(format!("pair {}, {image} reversed", i / 3))
     })
 }
 
@@ -87,7 +87,7 @@ pub fn diffuser(context: &Context) -> Gate {
             ("b*, of 100", b / 100.0),
         ] {
             departures.push(departure);
-            places.push(Place::named(format!("{quantity} at {theta_i_deg} deg")));
+            places.push(Where::named(format!("{quantity} at {theta_i_deg} deg")));
         }
     }
     context
@@ -118,7 +118,7 @@ pub fn whites(context: &Context) -> Result<Gate, CheckError> {
     let mut places = Vec::new();
     for (illuminant, two, ten) in E308 {
         for (observer, [x, z]) in [(Observer::Cie1931, two), (Observer::Cie1964, ten)] {
-            let place = |quantity| Place::named(format!("{quantity}, {illuminant}, {observer}"));
+            let place = |quantity| Where::named(format!("{quantity}, {illuminant}, {observer}"));
             let convention = Convention {
                 observer: observer.clone(),
                 illuminant: illuminant.clone(),
@@ -131,7 +131,7 @@ pub fn whites(context: &Context) -> Result<Gate, CheckError> {
                 let rgb = system.linear_rgb(Xyz { x, y, z }).0;
                 for (channel, found) in rgb.into_iter().enumerate() {
                     departures.push(found - f64::from(u8::from(channel == primary)));
-                    places.push(Place::named(format!("sRGB primary {primary}, channel {channel}")));
+                    places.push(Where::named(format!("sRGB primary {primary}, channel {channel}")));
                 }
             }
             for (quantity, departure) in [("X", white.x - x), ("Y", white.y - 1.0), ("Z", white.z - z)] {
@@ -187,7 +187,7 @@ pub fn shading(context: &Context) -> Result<Gate, CheckError> {
         .collect();
     Ok(judge.exact(SHADING, &departures, plan.study.check.rounding, |i| {
         let geometry = geometries[i];
-        Place::named(format!(
+        Where::named(format!(
             "theta_i {} deg, theta_v {} deg",
             geometry.theta_i_deg, geometry.theta_v_deg
         ))

@@ -1,6 +1,6 @@
 //! A measurement, tested without any model: reciprocity, energy, coverage, jumps, uncertainty.
 
-use super::gate::{Gate, Judge, Law, Place, Verdict};
+use super::gate::{Gate, GateVerdict, Judge, Law, Where};
 use super::{CheckError, Checked, Subject};
 use crate::number::shown;
 use crate::report::InputDigest;
@@ -51,8 +51,8 @@ const SAME_DEG: f64 = 1e-6;
 /// Gates with a standard error.
 const STOCHASTIC_GATES: f64 = 3.0;
 
-/// Tests the sample of this name, folder or file. A table that the reader refuses is a broken law; one that is not there
-/// an error.
+/// Tests the sample of this name, folder or file. A table that the reader refuses is a broken law; one that is not
+/// there an error.
 ///
 /// # Errors
 /// No such sample, or one without readings.
@@ -70,7 +70,7 @@ pub fn sample(name_or_path: &str, chosen: Chosen, tolerances: &CheckSection) -> 
         // Of a table of readings alone can a law be broken; another file is none that could be tested.
         Err(SampleError::Csv(error)) if FileKind::of(Path::new(name_or_path)) == Some(FileKind::Sample) => {
             let gate = Gate {
-                verdict: Verdict::Broken,
+                verdict: GateVerdict::Broken,
                 ..Gate::undecided(READINGS)
             };
             return Ok(Checked::new(
@@ -120,8 +120,8 @@ struct Curves<'a> {
 /// A gate whose rule is no law: what it finds leaves the verdict open.
 fn plausibility(gate: Gate, words: &str) -> Gate {
     match gate.verdict {
-        Verdict::Broken => Gate {
-            verdict: Verdict::Undecided,
+        GateVerdict::Broken => Gate {
+            verdict: GateVerdict::Undecided,
             ..gate
         }
         .with_note(words),
@@ -133,19 +133,19 @@ fn plausibility(gate: Gate, words: &str) -> Gate {
 struct Departure {
     value: f64,
     se: f64,
-    place: Place,
+    place: Where,
 }
 
 impl<'a> Curves<'a> {
-    fn place(&self, reading: &RawReading, value: usize) -> Place {
+    fn place(&self, reading: &RawReading, value: usize) -> Where {
         let geometry = format!(
             "theta_i {} deg, theta_v {} deg",
             shown(reading.theta_i_deg),
             shown(reading.theta_v_deg)
         );
         match self.wavelengths_nm {
-            Some(nm) => Place::new(nm[value], geometry),
-            None => Place::named(format!("{geometry}, channel {}", value + 1)),
+            Some(nm) => Where::new(nm[value], geometry),
+            None => Where::named(format!("{geometry}, channel {}", value + 1)),
         }
     }
 
@@ -170,7 +170,7 @@ impl<'a> Curves<'a> {
             0 => gate.with_note("published ratios alone, no curves"),
             _ => Gate {
                 cells,
-                verdict: Verdict::Holds,
+                verdict: GateVerdict::Holds,
                 ..gate
             },
         }
@@ -184,7 +184,7 @@ impl<'a> Curves<'a> {
             true => gate.with_note(notices.join("; ")),
             false => Gate {
                 cells: self.readings.len(),
-                verdict: Verdict::Holds,
+                verdict: GateVerdict::Holds,
                 note: (!notices.is_empty()).then(|| notices.join("; ")),
                 ..gate
             },
@@ -210,7 +210,11 @@ impl<'a> Curves<'a> {
         Gate {
             cells: self.readings.len(),
             value: missing as f64,
-            verdict: if missing == 0 { Verdict::Holds } else { Verdict::Broken },
+            verdict: if missing == 0 {
+                GateVerdict::Holds
+            } else {
+                GateVerdict::Broken
+            },
             note: (missing > 0).then(|| format!("{missing} readings above 0 have the error 0")),
             ..gate
         }
@@ -242,15 +246,16 @@ impl<'a> Curves<'a> {
         match lacks.is_empty() {
             true => Gate {
                 cells: self.readings.len(),
-                verdict: Verdict::Holds,
+                verdict: GateVerdict::Holds,
                 ..gate
             },
             false => gate.with_note(lacks.join("; ")),
         }
     }
 
-    /// The light stands at −θ_i of the signed angle, the viewer at θ_v. Exchanged, the light stands at θ_v: for a view on the
-    /// light's side that is the geometry (−θ_v, −θ_i), else, turned by 180° about the normal, (θ_v, θ_i). None without pairs.
+    /// The light stands at −θ_i of the signed angle, the viewer at θ_v. Exchanged, the light stands at θ_v: for a view
+    /// on the light's side that is the geometry (−θ_v, −θ_i), else, turned by 180° about the normal, (θ_v, θ_i). None
+    /// without pairs.
     fn reciprocity(&self, tolerance: f64) -> Option<Gate> {
         let mut departures = Vec::new();
         for reading in &self.readings {
@@ -277,9 +282,9 @@ impl<'a> Curves<'a> {
         (!departures.is_empty()).then(|| self.judge(RECIPROCITY, &departures, tolerance, f64::abs, 2.0))
     }
 
-    /// By the hemisphere where the sample has one. In the plane of incidence alone, as if the other views were like those: ∫ β |sinθ|
-    /// cosθ dθ over the same without β, by the trapezoidal rule; a narrow lobe fills the plane and not the hemisphere, so that bound
-    /// is a plausibility and breaks nothing.
+    /// By the hemisphere where the sample has one. In the plane of incidence alone, as if the other views were like
+    /// those: ∫ β |sinθ| cosθ dθ over the same without β, by the trapezoidal rule; a narrow lobe fills the plane and
+    /// not the hemisphere, so that bound is a plausibility and breaks nothing.
     fn energy(&self) -> Gate {
         let hemispheres = self.hemispheres();
         if !hemispheres.is_empty() {
@@ -314,8 +319,8 @@ impl<'a> Curves<'a> {
         )
     }
 
-    /// Directional-hemispherical reflectance less 1 at every incidence that is read over half of the hemisphere or more; what was not
-    /// read counts as dark, so the law errs on the side of holding.
+    /// Directional-hemispherical reflectance less 1 at every incidence that is read over half of the hemisphere or
+    /// more; what was not read counts as dark, so the law errs on the side of holding.
     fn hemispheres(&self) -> Vec<Departure> {
         const LEAST_SHARE: f64 = 0.5;
         let mut departures = Vec::new();
@@ -334,8 +339,8 @@ impl<'a> Curves<'a> {
                     value: value - 1.0,
                     se: if beta > 0.0 { value * se / beta } else { 0.0 },
                     place: match self.wavelengths_nm {
-                        Some(nm) => Place::new(nm[k], format!("theta_i {} deg", shown(curve[0].theta_i_deg))),
-                        None => Place::named(format!(
+                        Some(nm) => Where::new(nm[k], format!("theta_i {} deg", shown(curve[0].theta_i_deg))),
+                        None => Where::named(format!(
                             "theta_i {} deg, channel {}",
                             shown(curve[0].theta_i_deg),
                             k + 1
@@ -374,8 +379,8 @@ impl<'a> Curves<'a> {
         )
     }
 
-    /// Broken where a departure is beyond the tolerance and, all together, beyond chance. Without errors the tolerance alone
-    /// decides.
+    /// Broken where a departure is beyond the tolerance and, all together, beyond chance. Without errors the tolerance
+    /// alone decides.
     fn judge(&self, law: Law, departures: &[Departure], tolerance: f64, size: fn(f64) -> f64, sides: f64) -> Gate {
         let beyond = |d: &Departure| size(d.value) - tolerance;
         let z = |d: &Departure| {
@@ -394,7 +399,7 @@ impl<'a> Curves<'a> {
         let broken = departures.iter().filter(breaks).max_by(furthest);
         let Some(shown) = broken.or_else(|| departures.iter().max_by(furthest)) else {
             return Gate {
-                verdict: Verdict::Holds,
+                verdict: GateVerdict::Holds,
                 ..Gate::undecided(law)
             }
             .with_note("nothing to test: fewer than three views at each incidence");
@@ -406,12 +411,13 @@ impl<'a> Curves<'a> {
             se: shown.se,
             tolerance,
             largest_se: departures.iter().map(|d| d.se).fold(0.0, f64::max),
-            z: self.stated.then(|| shown.value / shown.se),
-            p: self.stated.then(|| p(shown)),
+            // A reading whose error is 0 is known without chance.
+            z: (self.stated && shown.se > 0.0).then(|| shown.value / shown.se),
+            p: (self.stated && shown.se > 0.0).then(|| p(shown)),
             verdict: if broken.is_some() {
-                Verdict::Broken
+                GateVerdict::Broken
             } else {
-                Verdict::Holds
+                GateVerdict::Holds
             },
             ..Gate::undecided(law)
         }

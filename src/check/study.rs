@@ -1,5 +1,5 @@
 use super::cloth::ClothEnergy;
-use super::gate::{Gate, Law, Verdict};
+use super::gate::{Gate, GateVerdict, Law};
 use super::{
     CheckEffort, CheckError, Checked, Context, Subject, attenuation, bounces, camera, cells, cloth, cylinder,
     estimates, ledger, medium, particles, reabsorption, rig, symmetry, tables, weave, woven,
@@ -65,7 +65,7 @@ pub fn study(plan: &Plan, effort: CheckEffort, progress: Progress) -> Result<Che
     ]);
     gates.extend(particles::gates(context)?);
     progress(0.05);
-    if passive.verdict == Verdict::Broken {
+    if passive.verdict == GateVerdict::Broken {
         gates.push(Gate::undecided(TRACED).with_note("not traced: the medium is not passive"));
         return Ok(Checked::new(gates, Vec::new(), subject));
     }

@@ -1,6 +1,6 @@
 //! Reciprocity and mirror symmetry of the yarn's scattering.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::{CheckError, Context};
 use crate::yarn::{Effort, FarFieldBatch, FarFieldGrid, FarFieldTracer};
 
@@ -49,7 +49,7 @@ pub fn gates(context: &Context) -> Result<Vec<Gate>, CheckError> {
     Ok(judged
         .map(|((law, pairs), differences)| {
             judge.zero(law, differences, tolerance, |i| {
-                Place::new(plan.grid.nm()[i % wavelengths], pairs[i / wavelengths].words.clone())
+                Where::new(plan.grid.nm()[i % wavelengths], pairs[i / wavelengths].words.clone())
             })
         })
         .collect())

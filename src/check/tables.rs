@@ -1,6 +1,6 @@
 //! BSSRDF and f*: both integrate to the ledger's scattered light, and both estimators of f* agree.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::{CheckError, Context};
 use crate::transport::{Fraction, Ledger};
 use crate::yarn::{BssrdfGrid, DirectBatch, DirectTracer, Effort, PatchTracer, SurfaceGrid, YarnResponseGrid};
@@ -49,7 +49,7 @@ pub fn direct(
     }
     let at = |i: usize| {
         let cell = i % (grid.tilts() * wavelengths);
-        Place::new(
+        Where::new(
             plan.grid.nm()[cell % wavelengths],
             tilt_words(&grid, cell / wavelengths),
         )
@@ -138,7 +138,7 @@ pub fn bssrdf(context: &Context) -> Result<Gate, CheckError> {
     }
     Ok(judge.exact(BSSRDF, &departures, plan.study.check.rounding, |i| {
         let direction = i / wavelengths % plan.incident.traced();
-        Place::new(plan.grid.nm()[i % wavelengths], format!("traced direction {direction}"))
+        Where::new(plan.grid.nm()[i % wavelengths], format!("traced direction {direction}"))
     }))
 }
 
@@ -190,6 +190,6 @@ pub fn two_estimators(context: &Context) -> Result<Gate, CheckError> {
         let cell = i / wavelengths;
         let side = ["lit side", "rim", "far side"][cell % ROAD_SIDES];
         let tilt = tilt_words(&grid, cell / ROAD_SIDES);
-        Place::new(plan.grid.nm()[i % wavelengths], format!("{tilt}, {side}"))
+        Where::new(plan.grid.nm()[i % wavelengths], format!("{tilt}, {side}"))
     }))
 }

@@ -1,6 +1,6 @@
 //! The woven geometry against drawdowns and Peirce's formulas written out, without chance.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::{CheckError, Context};
 use crate::cloth::{CentreLineKind, Cloth, ClothError, ClothSpec, Draft, Hit, PeirceSegment, System, Weave};
 use crate::geometry::Vec3;
@@ -20,8 +20,8 @@ const SHADOWS: Law = Law {
     words: "a yarn is shadowed by the others alone: from below at a crossing, and not between crossings",
 };
 
-/// Drawdowns, a row a weft: X where the warp is on top. Neither is its mirror image or has its faces alike, and the second has
-/// unlike numbers of yarns.
+/// Drawdowns, a row a weft: X where the warp is on top. Neither is its mirror image or has its faces alike, and the
+/// second has unlike numbers of yarns.
 const TWILL: &[&str] = &[".XX", "X.X", "XX."];
 const UNEVEN: &[&str] = &[".XX", "XX.", "X.X", "..X"];
 
@@ -143,11 +143,11 @@ fn crossings<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) ->
     }
     context
         .judge
-        .exact(CROSSINGS, &departures, 0.0, |i| Place::named(places[i].clone()))
+        .exact(CROSSINGS, &departures, 0.0, |i| Where::named(places[i].clone()))
 }
 
-/// In the warp's radius. Where yarns touch, their centre lines are the sum of both half-heights apart, of which each takes half as its
-/// crest; a sinusoid's crest is its amplitude. A crown stands the yarn's half-height above the crest.
+/// In the warp's radius. Where yarns touch, their centre lines are the sum of both half-heights apart, of which each
+/// takes half as its crest; a sinusoid's crest is its amplitude. A crown stands the yarn's half-height above the crest.
 fn crowns<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) -> Gate {
     let mut departures = Vec::new();
     let mut places = Vec::new();
@@ -183,7 +183,8 @@ fn crowns<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) -> Ga
             (System::Weft, spec.warp_spacing_mm),
         ] {
             let (k, crossed) = (system.index(), system.other().index());
-            // Arcs about the osculating circle of a wide section at its top, a²/b; about the circle of b in a narrow one.
+            // Arcs about the osculating circle of a wide section at its top, a²/b; about the circle of b in a narrow
+            // one.
             let d = 2.0 * (heights[k] + heights[crossed] * flattenings[crossed].powi(2).max(1.0));
             match PeirceSegment::solve(p, sum, d) {
                 Some(PeirceSegment {
@@ -205,10 +206,11 @@ fn crowns<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) -> Ga
     let rounding = context.plan.study.check.rounding;
     context
         .judge
-        .exact(CROWNS, &departures, rounding, |i| Place::named(places[i].clone()))
+        .exact(CROWNS, &departures, rounding, |i| Where::named(places[i].clone()))
 }
 
-/// 1 for every wrong shadow. Light from straight below, at points seen from straight above, and from above, where all is lit.
+/// 1 for every wrong shadow. Light from straight below, at points seen from straight above, and from above, where all
+/// is lit.
 fn shadows<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) -> Gate {
     let mut departures = Vec::new();
     let mut places = Vec::new();
@@ -234,5 +236,5 @@ fn shadows<'a>(context: &Context, all: impl Iterator<Item = &'a Woven<'a>>) -> G
     }
     context
         .judge
-        .exact(SHADOWS, &departures, 0.0, |i| Place::named(places[i].clone()))
+        .exact(SHADOWS, &departures, 0.0, |i| Where::named(places[i].clone()))
 }

@@ -1,6 +1,7 @@
-//! Light that goes from yarn to yarn, traced through the medium of each: none of it is lost, and a white cloth keeps none.
+//! Light that goes from yarn to yarn, traced through the medium of each: none of it is lost, and a white cloth keeps
+//! none.
 
-use super::gate::{Gate, Law, Place};
+use super::gate::{Gate, Law, Where};
 use super::{CheckError, Context};
 use crate::cloth::light::{
     Beam, ClothFraction, ClothLedger, Integrator, LitBatch, LitViews, Scene, ViewCones, Volumetric,
@@ -57,7 +58,7 @@ pub fn aperture(context: &Context) -> Result<Gate, CheckError> {
         .collect();
     let nm = plan.grid.nm();
     Ok(context.judge.exact(APERTURE, &departures, CAUGHT, |i| {
-        Place::new(nm[i % nm.len()], format!("theta_i {} deg", incidences[i / nm.len()]))
+        Where::new(nm[i % nm.len()], format!("theta_i {} deg", incidences[i / nm.len()]))
     }))
 }
 
@@ -102,6 +103,6 @@ fn closes(context: &Context, law: Law, yarns: [&Yarn; 2], of: fn(&ClothLedger) -
     let departures: Vec<f64> = ledgers.iter().map(of).collect();
     let nm = plan.grid.nm();
     Ok(context.judge.exact(law, &departures, plan.study.check.rounding, |i| {
-        Place::new(nm[i % nm.len()], format!("theta_i {} deg", incidences[i / nm.len()]))
+        Where::new(nm[i % nm.len()], format!("theta_i {} deg", incidences[i / nm.len()]))
     }))
 }

@@ -6,9 +6,10 @@ use serde::Serialize;
 use specval::artefact::Identity;
 use specval::cloth::light::HemisphereNodes;
 use specval::formats::{
-    self, Channels, Encoding, Format, Goniometric, Holds, KlemsBasis, Provenance, Scatter, Side, WriteOptions, registry,
+    self, ChannelSet, Encoding, FileProvenance, Format, Goniometric, Holds, KlemsBasis, Scatter, Side, WriteOptions,
+    registry,
 };
-use specval::output::{Place, beside, write_all};
+use specval::output::{Destination, beside, write_all};
 use specval::report::InputDigest;
 use specval::rig::bsdf::{Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Symmetry, symmetries};
 use specval::run::{FactorCloth, Plan, Stage, check_memory, volumetric_cloth};
@@ -30,7 +31,8 @@ fn method_words(method: MethodChoice) -> &'static str {
     }
 }
 
-/// Measures the full BSDF of the woven model, reflection and transmission over both hemispheres, for lighting simulation.
+/// Measures the full BSDF of the woven model, reflection and transmission over both hemispheres, for lighting
+/// simulation.
 ///
 /// Beside a file it writes FILE.hemispherical.csv. --paths are particles of each incidence.
 #[derive(Debug, clap::Args)]
@@ -41,7 +43,8 @@ pub struct Arguments {
     /// File of any format that is written.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// How light in the cloth is simulated; volumetric unless said here, whatever the study's `[cloth] method` of curves.
+    /// How light in the cloth is simulated; volumetric unless said here, whatever the study's `[cloth] method` of
+    /// curves.
     #[arg(long, value_enum, value_name = "METHOD")]
     method: Option<Method>,
     #[command(flatten)]
@@ -131,9 +134,9 @@ struct Settings<'a> {
 
 /// Where the files of a full measurement go.
 struct Files {
-    output: Place,
-    hemispherical: Option<Place>,
-    errors: Option<Place>,
+    output: Destination,
+    hemispherical: Option<Destination>,
+    errors: Option<Destination>,
 }
 
 /// Finds the places of all files, before any work; where the output is a stream there is none beside it.
@@ -141,13 +144,13 @@ fn claim_files(arguments: &Arguments, inputs: &[PathBuf], options: &Options) -> 
     let out = arguments.out.as_path();
     arguments.target(out)?;
     let beside = beside(out, ".hemispherical.csv");
-    let is_file = Place::find(out)?.is_file();
+    let is_file = Destination::find(out)?.is_file();
     let mut outputs = vec![out];
     outputs.extend(is_file.then_some(beside.as_path()));
     outputs.extend(arguments.errors.as_deref());
     let (places, terminal) = claim(&outputs, inputs, &arguments.replace, options)?;
     let mut places = places.into_iter();
-    let output = places.next().map_or_else(|| Place::find(out), Ok)?;
+    let output = places.next().map_or_else(|| Destination::find(out), Ok)?;
     let hemispherical = if is_file { places.next() } else { None };
     Ok((
         Files {
@@ -163,6 +166,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     let mut study = study::load(full.study.as_deref(), options)?;
     if let Some(method) = full.method {
         study.cloth.method = method.choice();
+        study.origin.give("cloth.method", "--method");
     }
     let method = full.method.unwrap_or(Method::Volumetric).choice();
     let inputs = inputs_of(full.study.as_deref(), &study);
@@ -185,6 +189,9 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     let klems = format == Format::RADIANCE_XML;
     let cells = full.cells(format)?;
     let colours = full.colours(format);
+    if !matches!(colours, Colours::Spectral) {
+        plan.require_colour()?;
+    }
     let smaller = if full.rgb {
         " or --to ssdd-binary"
     } else {
@@ -227,7 +234,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
         }
     };
     let incidences = bsdf.cells().incident() * bsdf.sides().len();
-    let effort = Effort {
+    let effort = BsdfEffort {
         incidences,
         batches,
         particles,
@@ -240,6 +247,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
         components: bsdf.components(colours, format == Format::CSV, &mut notices)?,
         warnings: Vec::new(),
     };
+    let writing = terminal.busy("writing the file");
     let written = formats::write(
         &data,
         format,
@@ -248,7 +256,9 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
             encoding,
             side: None,
         },
-    )?;
+    );
+    writing.finish();
+    let written = written?;
     notices.extend(written.notices);
     match format {
         Format::SDR | Format::SSDD => {}
@@ -321,7 +331,7 @@ fn check_size(
     cells: &Cells,
     format: Format,
     encoding: Encoding,
-    channels: &Channels,
+    channels: &ChannelSet,
     smaller: &'static str,
 ) -> Result<(), FullError> {
     let most_bytes = registry::descriptor(format).most_bytes();
@@ -349,7 +359,7 @@ fn csv_of(rows: &[HemisphericalRow], comments: &[String]) -> Result<Vec<u8>, Fai
     Ok(csv.into_inner()?)
 }
 
-struct Effort {
+struct BsdfEffort {
     incidences: usize,
     batches: usize,
     particles: usize,
@@ -401,8 +411,8 @@ impl Arguments {
         plan: &Plan,
         method: MethodChoice,
         bsdf: &FullBsdf,
-        effort: &Effort,
-    ) -> Result<Provenance, Failure> {
+        effort: &BsdfEffort,
+    ) -> Result<FileProvenance, Failure> {
         let identity = Identity::new(
             plan.study.seed,
             &Settings {
@@ -438,7 +448,7 @@ impl Arguments {
             ),
         ];
         let statement = |name: &str, value: String| (name.to_owned(), value);
-        Ok(Provenance {
+        Ok(FileProvenance {
             source: Some("Generated".into()),
             statements: vec![
                 statement("name", format!("{software} cloth {}", &digest[..12.min(digest.len())])),

@@ -1,14 +1,14 @@
 use super::inspect::Chosen;
 use super::{Failure, Options, Replace, Terminal, claim, help, inputs_of, study};
-use specval::check::{self, Baseline, CheckEffort, Checked, Verdict, annotations, junit, table};
+use specval::check::{self, Baseline, CheckEffort, Checked, GateVerdict, annotations, junit, table};
 use specval::output::write_whole;
 use specval::run::{FileKind, Stage, check_memory, sample_files};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Tests the laws of physics on a study, or a measurement by itself. Exit code 0: all hold; 1: one is broken; 2: it cannot
-/// be told, or bad input.
+/// Tests the laws of physics on a study, or a measurement by itself. Exit code 0: all hold; 1: one is broken; 2: it
+/// cannot be told, or bad input.
 ///
 /// `--paths` is of the shared ledger, for each traced direction; the other gates trace in proportion.
 #[derive(Debug, clap::Args)]
@@ -69,9 +69,9 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<ExitCode, Failure
     }
     terminal.result(&checked, table)?;
     Ok(match checked.verdict {
-        Verdict::Holds => ExitCode::SUCCESS,
-        Verdict::Broken => ExitCode::from(BROKEN),
-        Verdict::Undecided => ExitCode::from(UNDECIDED),
+        GateVerdict::Holds => ExitCode::SUCCESS,
+        GateVerdict::Broken => ExitCode::from(BROKEN),
+        GateVerdict::Undecided => ExitCode::from(UNDECIDED),
     })
 }
 

@@ -1,4 +1,5 @@
 use super::inspect::Chosen;
+use super::notice::first_of;
 use super::{Failure, Terminal, study};
 use serde::Serialize;
 use specval::colour::{Adaptation, Colour, ColourSystem, Convention, Illuminant, Observer, RgbSpace, Stated, Xyz};
@@ -9,17 +10,18 @@ use specval::spectrum::{Samples, SpectraFile, WavelengthGrid, plausibility};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// The perfect diffuser has Y = 1 and is the white of Lab. RGB is linear and never clipped. On 390..730 nm in steps of 10 nm or
-/// finer the sums run over exactly the wavelengths of the file; other data are interpolated, which is told.
+/// The perfect diffuser has Y = 1 and is the white of Lab. RGB is linear and never clipped. On 390..730 nm in steps of
+/// 10 nm or finer the sums run over exactly the wavelengths of the file; other data are interpolated, which is told.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Spectral brightness factors: CSV with the column wavelength_nm and one column a spectrum, or one column a wavelength; CGATS
-    /// text; or readings over incidence and view, as `measure` writes them.
+    /// Spectral brightness factors: CSV with the column wavelength_nm and one column a spectrum, or one column a
+    /// wavelength; CGATS text; or readings over incidence and view, as `measure` writes them.
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
     chosen: Chosen,
-    /// cie1931-2deg, cie1964-10deg, or a file of xbar, ybar, zbar [default: what a CGATS file states, else cie1931-2deg].
+    /// cie1931-2deg, cie1964-10deg, or a file of xbar, ybar, zbar [default: what a CGATS file states, else
+    /// cie1931-2deg].
     #[arg(long, value_parser = Observer::load)]
     observer: Option<Observer>,
     /// D65, D50, A, C, E, or a file of one spectrum [default: what a CGATS file states, else D65].
@@ -37,7 +39,7 @@ pub struct Arguments {
 struct NamedColour {
     name: String,
     #[serde(flatten)]
-    geometry: Option<Geometry>,
+    geometry: Option<CurveGeometry>,
     #[serde(flatten)]
     colour: Colour,
     observer: String,
@@ -53,7 +55,7 @@ struct NamedColour {
 }
 
 #[derive(Clone, Copy, Serialize)]
-struct Geometry {
+struct CurveGeometry {
     theta_i_deg: f64,
     theta_v_deg: f64,
 }
@@ -69,7 +71,7 @@ struct Spectra {
 
 struct Spectrum {
     name: String,
-    geometry: Option<Geometry>,
+    geometry: Option<CurveGeometry>,
     values: Vec<f64>,
     notices: Vec<String>,
 }
@@ -97,15 +99,13 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     for notice in &notices {
         terminal.notice(notice);
     }
-    let own: Vec<&String> = spectra.all.iter().flat_map(|spectrum| &spectrum.notices).collect();
-    if let Some(first) = own.first() {
-        let others = own.len() - 1;
-        let more = if others > 0 {
-            format!(" (and {others} more of this kind)")
-        } else {
-            String::new()
-        };
-        terminal.notice(format!("{first}{more}"));
+    let own: Vec<String> = spectra
+        .all
+        .iter()
+        .flat_map(|spectrum| spectrum.notices.clone())
+        .collect();
+    if let Some(words) = first_of(&own) {
+        terminal.notice(words);
     }
     let colours: Vec<NamedColour> = spectra
         .all
@@ -139,7 +139,8 @@ fn read(path: &Path, chosen: Chosen) -> Result<Spectra, Failure> {
     }
     match (SpectraFile::read(path), format) {
         (Ok(file), _) => {
-            chosen.refuse_for("a table of spectra")?;
+            let refused = chosen.refuse_for("a table of spectra");
+            refused.map_err(|error| format!("{}: {error}", path.display()))?;
             Ok(named(file)?)
         }
         (Err(_), Ok(format)) if format != Format::WIF => readings(path, chosen),
@@ -186,7 +187,7 @@ fn readings(path: &Path, chosen: Chosen) -> Result<Spectra, Failure> {
         let samples = Samples::new(&name, &grid, reading.beta.to_vec())?;
         all.push(Spectrum {
             name,
-            geometry: Some(Geometry {
+            geometry: Some(CurveGeometry {
                 theta_i_deg,
                 theta_v_deg,
             }),

@@ -138,7 +138,10 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         side: arguments.chosen.side,
         encoding,
     };
-    let written = formats::write(&data, format, &options)?;
+    let writing = terminal.busy("converting");
+    let written = formats::write(&data, format, &options);
+    writing.finish();
+    let written = written.map_err(|error| format!("{}: {error}", in_words(&arguments.input)))?;
     write_whole(&places[0], &written.bytes)?;
     for notice in &written.notices {
         terminal.notice(notice);

@@ -101,6 +101,13 @@ pub fn samples() -> String {
     Sample::built_in_names().collect::<Vec<_>>().join(", ")
 }
 
+/// What a command's arguments say of it, which the one line of the list of commands would hide.
+pub fn of<A: clap::Args>() -> String {
+    let command = A::augment_args(clap::Command::new(""));
+    let about = command.get_long_about().or_else(|| command.get_about());
+    about.map(ToString::to_string).unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use crate::cli::TypedCommand;

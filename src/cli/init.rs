@@ -45,6 +45,9 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let (places, terminal) = claim(&[&path], &[], &arguments.replace, options)?;
     write_whole(&places[0], Study::commented_toml().as_bytes())?;
     terminal.result(&Written { study: in_words(&path) }, |written| {
-        format!("{0} written; run it with `specval report {0}`\n", written.study)
+        match written.study.as_str() {
+            "-" => "the study is on stdout; run it with `specval report -`, which reads it from stdin\n".to_owned(),
+            file => format!("{file} written; run it with `specval report {file}`\n"),
+        }
     })
 }

@@ -2,9 +2,9 @@ use super::{Failure, Options, Replace, Scratch, Stopping, claim, in_words, input
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use specval::cloth::light::{ClothFraction, ClothLedger};
-use specval::output::{self, Place, beside, write_all};
+use specval::output::{self, Destination, beside, write_all};
 use specval::report::{GrazingGain, effort_line};
-use specval::run::{RunError, Simulator, Stage, StateFile, Watch, grazing_gains, grazing_notice};
+use specval::run::{RunError, Simulator, Stage, StateFile, Watch, check_memory, grazing_gains, grazing_notice};
 use specval::study::MethodChoice;
 use specval::transport::{Estimate, FractionList};
 use std::path::PathBuf;
@@ -92,18 +92,22 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     let mut study = study::load(arguments.study.as_deref(), options)?;
     if let Some(method) = arguments.method {
         study.cloth.method = method.choice();
+        study.origin.give("cloth.method", "--method");
     }
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     let out = arguments.out.as_path();
+    let is_file = Destination::find(out)?.is_file();
     let energy_file = beside(out, ".energy.csv");
     let mut outputs = vec![out];
-    if Place::find(out)?.is_file() {
+    if is_file {
         outputs.push(&energy_file);
     }
     let (places, terminal) = &claim(&outputs, &inputs, &arguments.replace, options)?;
     let (plan, split) = arguments.stopping.limits.split(study::plan(study)?, Stage::Views)?;
     let mut notices = plan.notices_before(Stage::Views)?;
     notices.extend(split);
+    // The search for gains itself holds a table of f* on each thread.
+    check_memory(&plan.study, Stage::Views)?;
     let grazing_gains = grazing_gains(&plan).map_err(RunError::from)?;
     notices.extend(grazing_notice(&grazing_gains));
     for notice in &notices {

@@ -13,7 +13,7 @@ pub struct Arguments {
 }
 
 #[derive(Serialize)]
-struct Coefficients {
+struct MediumRows {
     wavelength_nm: Vec<f64>,
     mu_s_per_mm: Vec<f64>,
     mu_a_per_mm: Vec<f64>,
@@ -30,7 +30,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     }
     let notices = notices.iter().map(ToString::to_string).collect();
     let medium = specval::run::medium(&study)?;
-    let coefficients = Coefficients {
+    let coefficients = MediumRows {
         wavelength_nm: medium.grid().nm().to_vec(),
         mu_s_per_mm: medium.mu_s_per_mm().to_vec(),
         mu_a_per_mm: medium.mu_a_per_mm().to_vec(),
@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     terminal.result(&coefficients, text)
 }
 
-fn text(of: &Coefficients) -> String {
+fn text(of: &MediumRows) -> String {
     let mut text = format!(
         "{:>13} {:>12} {:>12} {:>10}\n",
         "wavelength_nm", "mu_s_per_mm", "mu_a_per_mm", "g"

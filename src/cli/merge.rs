@@ -25,7 +25,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     merging.finish();
     let artefact = artefact.map_err(|error| {
         // Unsound shards, and shards that do not fit each other, keep their own message.
-        let due = |kind| kind == FileKind::Artefact(artefact::Kind::Shard);
+        let due = |kind| kind == FileKind::Artefact(artefact::ArtefactKind::Shard);
         let other = shards
             .iter()
             .find_map(|path| OtherKind::find(path, "a shard of a trace", due));

@@ -1,6 +1,7 @@
 use super::{Failure, Terminal};
 use num_complex::Complex64;
 use serde::Serialize;
+use specval::number::shown;
 use specval::optics::Mie;
 use std::fmt::Write;
 
@@ -8,9 +9,9 @@ use std::fmt::Write;
 /// x = π d n_h/λ with the vacuum wavelength λ.
 ///
 /// q_ext, q_sca and q_abs are cross sections over the geometric one, πd²/4. q_back = 4 |S(180°)|²/x² is the radar
-/// backscattering efficiency: 4π times the differential cross section dC/dΩ at 180°, per sr, over πd²/4; of a scatterer that is
-/// isotropic it is q_sca. It is not the share of light that is scattered backwards. Some programs leave the 4π out: their value
-/// is q_back/4π.
+/// backscattering efficiency: 4π times the differential cross section dC/dΩ at 180°, per sr, over πd²/4; of a scatterer
+/// that is isotropic it is q_sca. It is not the share of light that is scattered backwards. Some programs leave the 4π
+/// out: their value is q_back/4π.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct Arguments {
@@ -86,7 +87,7 @@ fn text(sphere: &Sphere) -> String {
         ("q_back", sphere.q_back),
         ("g", sphere.g),
     ] {
-        let _ = writeln!(text, "{name:<7} {value:.12e}");
+        let _ = writeln!(text, "{name:<7} {}", shown(value));
     }
     let _ = writeln!(
         text,
@@ -96,8 +97,11 @@ fn text(sphere: &Sphere) -> String {
     for ((angle_deg, s1), s2) in sphere.angles_deg.iter().zip(&sphere.s1).zip(&sphere.s2) {
         let _ = writeln!(
             text,
-            "{angle_deg:>10} {:>20.12e} {:>20.12e} {:>20.12e} {:>20.12e}",
-            s1.re, s1.im, s2.re, s2.im
+            "{angle_deg:>10} {:>20} {:>20} {:>20} {:>20}",
+            shown(s1.re),
+            shown(s1.im),
+            shown(s2.re),
+            shown(s2.im)
         );
     }
     text

@@ -65,49 +65,49 @@ impl TypedCommand {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Model and classical shading against a measured sample: graphs, Table 1, energy table.
-    #[command(after_long_help = help::REPORT)]
+    #[command(long_about = help::of::<report::Arguments>(), after_long_help = help::REPORT)]
     Report(report::Arguments),
     /// Write study.toml with every default and what it means.
-    #[command(after_long_help = help::init())]
+    #[command(long_about = help::of::<init::Arguments>(), after_long_help = help::init())]
     Init(init::Arguments),
     /// Mie scattering of one sphere: efficiencies and amplitudes.
-    #[command(after_long_help = help::MIE)]
+    #[command(long_about = help::of::<mie::Arguments>(), after_long_help = help::MIE)]
     Mie(mie::Arguments),
     /// Scattering and absorption of the yarn's medium at each wavelength.
-    #[command(after_long_help = help::MEDIUM)]
+    #[command(long_about = help::of::<medium::Arguments>(), after_long_help = help::MEDIUM)]
     Medium(medium::Arguments),
     /// Monte Carlo of the yarn: energy ledger, BSSRDF, yarn response f*.
-    #[command(after_long_help = help::TRACE)]
+    #[command(long_about = help::of::<trace::Arguments>(), after_long_help = help::TRACE)]
     Trace(trace::Arguments),
     /// Another dye, kappa or host absorption for a finished trace, without tracing.
-    #[command(after_long_help = help::REABSORB)]
+    #[command(long_about = help::of::<reabsorb::Arguments>(), after_long_help = help::REABSORB)]
     Reabsorb(reabsorb::Arguments),
     /// Add the shards of a trace: the same file as one run.
-    #[command(after_long_help = help::MERGE)]
+    #[command(long_about = help::of::<merge::Arguments>(), after_long_help = help::MERGE)]
     Merge(merge::Arguments),
     /// Brightness factors of the woven model on the virtual rig.
-    #[command(after_long_help = help::MEASURE)]
+    #[command(long_about = help::of::<measure::Arguments>(), after_long_help = help::MEASURE)]
     Measure(measure::Arguments),
     /// Full BSDF of the woven model, reflection and transmission, as a file for lighting simulation.
-    #[command(after_long_help = help::BSDF)]
+    #[command(long_about = help::of::<bsdf::Arguments>(), after_long_help = help::BSDF)]
     Bsdf(bsdf::Arguments),
     /// Laws of physics as gates, on a study or a measurement: exit 0 holds, 1 broken, 2 cannot tell.
-    #[command(after_long_help = help::CHECK)]
+    #[command(long_about = help::of::<check::Arguments>(), after_long_help = help::CHECK)]
     Check(check::Arguments),
     /// Reference problems (slabs, cylinders, spheres, yarns): value, reference, z-score.
-    #[command(after_long_help = help::VALIDATE)]
+    #[command(long_about = help::of::<validate::Arguments>(), after_long_help = help::VALIDATE)]
     Validate(validate::Arguments),
     /// Colours of spectra: XYZ, linear RGB and Lab.
-    #[command(after_long_help = help::COLOUR)]
+    #[command(long_about = help::of::<colour::Arguments>(), after_long_help = help::COLOUR)]
     Colour(colour::Arguments),
     /// What a goniometric file holds.
-    #[command(after_long_help = help::INSPECT)]
+    #[command(long_about = help::of::<inspect::Arguments>(), after_long_help = help::INSPECT)]
     Inspect(inspect::Arguments),
     /// A goniometric file in another format.
-    #[command(after_long_help = help::CONVERT)]
+    #[command(long_about = help::of::<convert::Arguments>(), after_long_help = help::CONVERT)]
     Convert(convert::Arguments),
     /// The drawdown of a built-in weave or of a draft.
-    #[command(after_long_help = help::WEAVE)]
+    #[command(long_about = help::of::<weave::Arguments>(), after_long_help = help::WEAVE)]
     Weave(weave::Arguments),
 }
 

@@ -39,3 +39,12 @@ impl Display for RunNotice {
         }
     }
 }
+
+/// The first of the same words about several spectra, and how many more there are.
+pub fn first_of(words: &[String]) -> Option<String> {
+    match words {
+        [] => None,
+        [one] => Some(one.clone()),
+        [first, others @ ..] => Some(format!("{first} (and {} more of this kind)", others.len())),
+    }
+}

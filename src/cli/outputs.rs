@@ -1,7 +1,7 @@
 //! Outputs of a command, checked before any work.
 
 use super::{Failure, Options, Terminal};
-use specval::output::{Lock, Place, beside, expect_scratch, prepare};
+use specval::output::{Destination, Lock, beside, expect_scratch, prepare};
 use specval::run::input_files;
 use specval::study::Study;
 use std::ffi::OsStr;
@@ -37,17 +37,17 @@ pub fn claim(
     inputs: &[PathBuf],
     replace: &Replace,
     options: &Options,
-) -> Result<(Vec<Place>, Terminal), Failure> {
+) -> Result<(Vec<Destination>, Terminal), Failure> {
     let places = prepare(outputs, inputs, &|_| replace.force)?;
-    let on_stdout = places.iter().any(Place::is_stdout);
+    let on_stdout = places.iter().any(Destination::is_stdout);
     if on_stdout && options.json {
         return Err(StdoutError::TwoDocuments.into());
     }
     Ok((places, Terminal::new(options).beside_output(on_stdout)))
 }
 
-/// What a long run leaves beside its output while it lasts: its state, kept from other runs by a lock. Neither is there for an
-/// output that is no file.
+/// What a long run leaves beside its output while it lasts: its state, kept from other runs by a lock. Neither is there
+/// for an output that is no file.
 pub struct Scratch {
     pub state: Option<PathBuf>,
     _lock: Option<Lock>,
@@ -55,7 +55,7 @@ pub struct Scratch {
 
 impl Scratch {
     pub fn take(output: &Path, inputs: &[PathBuf], resume: bool) -> Result<Self, Failure> {
-        if !Place::find(output)?.is_file() {
+        if !Destination::find(output)?.is_file() {
             return match resume {
                 true => Err(StdoutError::NoState.into()),
                 false => Ok(Self {

@@ -2,15 +2,15 @@ use super::{Failure, Options, Replace, claim, help, study};
 use serde::Serialize;
 use specval::artefact;
 use specval::report::{LedgerRange, ledger_ranges, ledger_table};
-use specval::run::{FileKind, Reabsorbed, YarnArtefact, input_files, reabsorb};
+use specval::run::{FileKind, Reabsorbed, RunError, YarnArtefact, input_files, reabsorb};
 use specval::study::NumberOrTable;
 use std::path::{Path, PathBuf};
 use std::slice;
 
 /// Applies another absorption to a trace without tracing, along the path lengths it kept.
 ///
-/// Changes f* of the direct simulation, the ledger and their errors; the BSSRDF is left out. Says where the paths that were
-/// traced no longer carry the change.
+/// Changes f* of the direct simulation, the ledger and their errors; the BSSRDF is left out. Says where the paths that
+/// were traced no longer carry the change.
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("change").required(true).multiple(true)))]
 pub struct Arguments {
@@ -34,7 +34,7 @@ pub struct Arguments {
 
 /// Why this is no artefact.
 fn no_artefact(error: impl Into<Failure>, path: &Path) -> Failure {
-    let due = |kind| kind == FileKind::Artefact(artefact::Kind::Artefact);
+    let due = |kind| kind == FileKind::Artefact(artefact::ArtefactKind::Artefact);
     study::or_other_kind(error, path, "the artefact of a trace", due)
 }
 
@@ -73,7 +73,12 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     study.medium.clone_from(&medium);
     inputs.extend(input_files(&study));
     let (_, terminal) = claim(&[out], &inputs, &arguments.replace, options)?;
-    let artefact = reabsorb(artefact, source, medium)?;
+    let artefact = reabsorb(artefact, source, medium).map_err(|error| match (error.unplaced(), &arguments.dye) {
+        (RunError::Dye { .. } | RunError::DyeRange { .. } | RunError::Table { key: "dye", .. }, Some(_)) => {
+            Failure::from(format!("--dye: {error}"))
+        }
+        _ => error.into(),
+    })?;
     artefact.write(&arguments.out)?;
     let Some(reabsorbed) = artefact.layout.settings.reabsorbed.last() else {
         return Ok(());

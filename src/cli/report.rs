@@ -23,11 +23,12 @@ pub struct Arguments {
     /// Folder for the report; made if need be.
     #[arg(long, value_name = "DIR", default_value = "report")]
     out: PathBuf,
-    /// A twentieth of the paths, where --paths does not say how many, and a ninth of the camera rays: seconds instead of minutes,
-    /// wider error bands.
+    /// A twentieth of the paths, where --paths does not say how many, and a ninth of the camera rays: seconds instead
+    /// of minutes, wider error bands.
     #[arg(long)]
     quick: bool,
-    /// Compare the ways to follow light in the cloth, each with the study's effort: approximations.csv and locality.csv. Minutes.
+    /// Compare the ways to follow light in the cloth, each with the study's effort: approximations.csv and
+    /// locality.csv. Minutes.
     #[arg(long)]
     approximations: bool,
     #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file. May be repeated: further samples are compared at the geometries of the first", help::samples()), value_name = "SAMPLE")]
@@ -72,6 +73,7 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let mut study = study::load(arguments.study.as_deref(), options)?;
     if let Some(sample) = arguments.measured.first() {
         study.measured.sample.clone_from(sample);
+        study.origin.give("measured.sample", "--measured");
     }
     let mut notices = Vec::new();
     if arguments.quick {

@@ -13,8 +13,9 @@ use std::time::{Duration, Instant};
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "How long")]
 pub struct Stopping {
-    /// Go on until each standard error is below this: "rel 1%" or "abs 0.001", of the `curves` or, with that word behind
-    /// it, of the `ratios` of Table 1. Makes more batches than the study if need be, or with --paths no more than those.
+    /// Go on until each standard error is below this: "rel 1%" or "abs 0.001", of the `curves` or, with that word
+    /// behind it, of the `ratios` of Table 1. Makes more batches than the study if need be, or with --paths no more
+    /// than those.
     #[arg(long, value_name = "PRECISION", allow_hyphen_values = true)]
     pub until: Option<Precision>,
     #[command(flatten)]
@@ -25,14 +26,14 @@ pub struct Stopping {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "How long")]
 pub struct Limits {
-    /// Trace no longer than this, such as 90s, 2min or 1h. Where a batch of the study would take more than an eighth of that
-    /// on one core, by an estimate from the study alone, there are more and smaller ones, to the same number of paths. Two batches are
-    /// made in any case, and one that has begun is finished; the time of a run that is resumed does not count. The sweep, with
-    /// paths in proportion to what was traced, and the graphs come on top.
+    /// Trace no longer than this, such as 90s, 2min or 1h. Where a batch of the study would take more than an eighth of
+    /// that on one core, by an estimate from the study alone, there are more and smaller ones, to the same number of
+    /// paths. Two batches are made in any case, and one that has begun is finished; the time of a run that is resumed
+    /// does not count. The sweep, with paths in proportion to what was traced, and the graphs come on top.
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub max_time: Option<Duration>,
-    /// Least time between two savings of the state that --resume goes on from, more where saving would take over 5 % of the
-    /// time; 0s saves after each round of batches.
+    /// Least time between two savings of the state that --resume goes on from, more where saving would take over 5 % of
+    /// the time; 0s saves after each round of batches.
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true, default_value = "5s")]
     pub checkpoint: Duration,
     /// Go on from the state that a killed run of the same command left. Gives the same bytes as a run without a break.
@@ -71,7 +72,8 @@ impl Stopping {
         self.limits.rule(self.until, study_batches, options)
     }
 
-    /// Traces, shades and measures, and keeps the state in a file, which the caller removes when the results are written.
+    /// Traces, shades and measures, and keeps the state in a file, which the caller removes when the results are
+    /// written.
     pub fn simulate(
         &self,
         simulator: &Simulator,

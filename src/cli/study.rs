@@ -5,6 +5,7 @@ use specval::run::{FileKind, OtherKind, Plan, RunError};
 use specval::sample::Chosen;
 use specval::study::{Study, StudyError};
 use specval::weave::WeaveError;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Why there is no study to run.
@@ -46,6 +47,7 @@ pub fn load(path: Option<&Path>, options: &Options) -> Result<Study, LoadError> 
     };
     if let Some(seed) = options.seed {
         study.seed = seed;
+        study.origin.give("seed", "--seed");
     }
     if let Some(paths) = options.paths {
         let batches = study.trace.batches;
@@ -58,19 +60,33 @@ pub fn load(path: Option<&Path>, options: &Options) -> Result<Study, LoadError> 
         study.trace.particles = paths.get();
         study.trace.particles_volumetric = paths.get();
         for key in ["paths_bssrdf", "paths_direct", "particles", "particles_volumetric"] {
-            study.origin.forget(&format!("trace.{key}"));
+            study.origin.give(&format!("trace.{key}"), "--paths");
         }
     }
     study.validate()?;
     Ok(study)
 }
 
+/// Bytes of the longest study that is read from stdin.
+const MOST_BYTES: u64 = 16 << 20;
+
+fn from_stdin() -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().take(MOST_BYTES).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The study of a file, or of stdin where the path is `-`.
 pub fn read(path: &Path) -> Result<Study, LoadError> {
     let refuse = |found: String| LoadError::Read {
         path: path.to_owned(),
         found,
     };
-    let bytes = std::fs::read(path).map_err(|cause| refuse(cause.to_string()))?;
+    let bytes = match path == Path::new("-") {
+        true => from_stdin(),
+        false => std::fs::read(path),
+    };
+    let bytes = bytes.map_err(|cause| refuse(cause.to_string()))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let line = 1 + error.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();
@@ -79,7 +95,11 @@ pub fn read(path: &Path) -> Result<Study, LoadError> {
             error.as_bytes()[at]
         ))
     })?;
-    let study = Study::from_toml(&text, &path.display().to_string())?;
+    let name = match path == Path::new("-") {
+        true => "stdin".into(),
+        false => path.display().to_string(),
+    };
+    let study = Study::from_toml(&text, &name)?;
     Ok(study.at_folder(path.parent().unwrap_or(Path::new(""))))
 }
 

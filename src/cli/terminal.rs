@@ -8,6 +8,7 @@ use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
 use std::sync::Mutex;
+use std::time::Duration;
 
 /// Any error of the library or of a command; its message has place, expectation, finding and remedy.
 pub type Failure = Box<dyn Error>;
@@ -18,6 +19,13 @@ struct NoThreads {
     threads: NonZeroUsize,
     #[source]
     cause: rayon::ThreadPoolBuildError,
+}
+
+#[derive(Debug, thiserror::Error)]
+#[error("stdout: cannot be written; free space where it goes, or send it elsewhere")]
+struct NotWritten {
+    #[source]
+    cause: io::Error,
 }
 
 /// Exit code of bad input, the same as for a mistyped flag.
@@ -83,9 +91,8 @@ impl Terminal {
             return Ok(());
         }
         let mut stdout = io::stdout().lock();
-        stdout.write_all(text.as_bytes())?;
-        stdout.flush()?;
-        Ok(())
+        let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+        Ok(written.map_err(|cause| NotWritten { cause })?)
     }
 
     /// Prints a notice on stderr; a notice with the same words is printed once.
@@ -109,6 +116,17 @@ impl Terminal {
             let style = ProgressStyle::with_template("{msg} {wide_bar} {percent} % {eta}");
             ProgressBar::new(Progress::STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         };
+        Progress(bar.with_message(what))
+    }
+
+    /// A sign on stderr that work goes on of which no share is known, where [`Self::progress`] has its bar.
+    pub fn busy(&self, what: &'static str) -> Progress {
+        if self.quiet || !io::stderr().is_terminal() {
+            return Progress(ProgressBar::hidden());
+        }
+        let style = ProgressStyle::with_template("{msg} {spinner} {elapsed}");
+        let bar = ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        bar.enable_steady_tick(Duration::from_millis(200));
         Progress(bar.with_message(what))
     }
 }

@@ -17,8 +17,9 @@ pub struct Arguments {
     /// Trace only the batches of shard K of N, for `specval merge`.
     #[arg(long, value_name = "K/N", allow_hyphen_values = true)]
     shard: Option<Shard>,
-    /// Go on until the standard error of the ledger's scattered fraction, at every wavelength and incident direction, is
-    /// below this: "rel 5%" or "abs 0.001". Makes more batches than the study if need be, or with --paths no more than those.
+    /// Go on until the standard error of the ledger's scattered fraction, at every wavelength and incident direction,
+    /// is below this: "rel 5%" or "abs 0.001". Makes more batches than the study if need be, or with --paths no more
+    /// than those.
     #[arg(long, value_name = "PRECISION", value_parser = scattered, allow_hyphen_values = true, help_heading = "How long")]
     until: Option<Precision>,
     #[command(flatten)]

@@ -1,9 +1,10 @@
 use super::{Failure, Options, Terminal};
+use specval::number::significant;
 use specval::validate::{self, Check};
 use std::fmt::Write;
 
-/// Solves problems whose answers are known from elsewhere with the very code that traces yarns, and prints how far apart
-/// they are in standard errors. `--paths` is for each problem.
+/// Solves problems whose answers are known from elsewhere with the very code that traces yarns, and prints how far
+/// apart they are in standard errors. `--paths` is for each problem.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {}
 
@@ -28,8 +29,13 @@ fn text(checks: &[Check]) -> String {
         let mark = if check.z.abs() > MARKED { " !" } else { "" };
         let _ = writeln!(
             text,
-            "{:<44} {:<24} {:>14.8} {:>10.2e} {:>14.8} {:>7.2}{mark}",
-            check.problem, check.quantity, check.value, check.se, check.reference, check.z
+            "{:<44} {:<24} {:>14.8} {:>10} {:>14.8} {:>7.2}{mark}",
+            check.problem,
+            check.quantity,
+            check.value,
+            significant(check.se, 3),
+            check.reference,
+            check.z
         );
     }
     let beyond = checks.iter().filter(|c| c.z.abs() > MARKED).count();

@@ -1,4 +1,5 @@
 use super::System;
+use crate::number::{shown, significant};
 
 /// Invalid draft or cloth.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -31,7 +32,7 @@ pub enum ClothError {
         minimum_mm: f64,
         radius_sum_mm: f64,
     },
-    #[error("{first} and {second} overlap by {overlap_mm:.6} mm; {remedy}")]
+    #[error("{}; {remedy}", self.fault())]
     Overlap {
         first: String,
         second: String,
@@ -41,8 +42,8 @@ pub enum ClothError {
         remedy: &'static str,
     },
     #[error(
-        "{system} {index} bends with a radius of {curvature_mm:.6} mm, tighter than its own radius {radius_mm} mm; \
-         increase {crossed}_spacing_mm, or reduce the amplitude or the yarn radius", crossed = system.other()
+        "{}; increase {crossed}_spacing_mm, or reduce the amplitude or the yarn radius",
+        self.fault(), crossed = system.other()
     )]
     TooCurved {
         system: System,
@@ -50,4 +51,29 @@ pub enum ClothError {
         curvature_mm: f64,
         radius_mm: f64,
     },
+}
+
+impl ClothError {
+    /// What is wrong, without the remedy in the fields of a [`ClothSpec`](super::ClothSpec).
+    pub fn fault(&self) -> String {
+        match self {
+            Self::Overlap {
+                first,
+                second,
+                overlap_mm,
+                ..
+            } => format!("{first} and {second} overlap by {} mm", significant(*overlap_mm, 3)),
+            Self::TooCurved {
+                system,
+                index,
+                curvature_mm,
+                radius_mm,
+            } => format!(
+                "{system} {index} bends with a radius of {} mm, tighter than its own radius {} mm",
+                significant(*curvature_mm, 3),
+                shown(*radius_mm)
+            ),
+            other => other.to_string(),
+        }
+    }
 }

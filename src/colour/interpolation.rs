@@ -17,13 +17,14 @@ pub(super) fn uniform_step(grid: &WavelengthGrid) -> Option<f64> {
 
 /// How values are interpolated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Interpolation {
-    /// Fifth-order polynomial through six neighbours with their slopes (T. B. Sprague 1880; CIE 167:2005), on equal steps.
+pub(super) enum SpectralInterpolation {
+    /// Fifth-order polynomial through six neighbours with their slopes (T. B. Sprague 1880; CIE 167:2005), on equal
+    /// steps.
     Sprague,
     Linear,
 }
 
-impl Interpolation {
+impl SpectralInterpolation {
     /// Sprague's where steps are equal and there are six values or more.
     pub(super) fn of(grid: &WavelengthGrid) -> Self {
         match uniform_step(grid) {
@@ -39,8 +40,8 @@ impl Interpolation {
         }
     }
 
-    /// Calls `add` with index and weight of the values whose weighted sum is the value at a wavelength: that of the nearest
-    /// end outside the grid. Weights sum to 1.
+    /// Calls `add` with index and weight of the values whose weighted sum is the value at a wavelength: that of the
+    /// nearest end outside the grid. Weights sum to 1.
     pub(super) fn weights(self, grid: &WavelengthGrid, at_nm: f64, mut add: impl FnMut(usize, f64)) {
         let nm = grid.nm();
         let last = nm.len() - 1;
@@ -98,7 +99,7 @@ mod tests {
 
     fn at(grid: &WavelengthGrid, values: &[f64], nm: f64) -> f64 {
         let mut sum = 0.0;
-        Interpolation::of(grid).weights(grid, nm, |i, w| sum += w * values[i]);
+        SpectralInterpolation::of(grid).weights(grid, nm, |i, w| sum += w * values[i]);
         sum
     }
 

@@ -63,7 +63,7 @@ pub enum ColourError {
     /// A table of the user's own does not cover the grid.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
-    #[error("{0}; nor is there a file of that name")]
+    #[error("{0}; nor is there a file of that name: take one of these names, or the path of a table")]
     NoSuch(UnknownName),
     /// A file named as an observer or an illuminant.
     #[error("{kind}: {source}")]

@@ -13,12 +13,7 @@ impl Stated {
     /// "ILLUMINANT, D50".
     pub fn of(keywords: &[(String, String)]) -> Self {
         let mut stated = Self::default();
-        for (key, value) in keywords {
-            let (key, value) = match key.as_str() {
-                "WEIGHTING_FUNCTION" => value.split_once(',').unwrap_or(("", value)),
-                key => (key, value.as_str()),
-            };
-            let (key, value) = (key.trim().to_ascii_uppercase(), value.trim().to_owned());
+        for (key, value) in keywords.iter().flat_map(pairs) {
             if key.starts_with("ILLUMIN") {
                 let known = illuminant(&value);
                 stated.illuminant.get_or_insert((value, known));
@@ -54,6 +49,30 @@ impl Stated {
             of,
             notices,
         )
+    }
+}
+
+/// What a key word says: of lists of assignments, such as `MEASUREMENT_SOURCE` "Illumination=D50
+/// ObserverAngle=10degree", each one; of "D50/2" illuminant and observer.
+fn pairs((key, value): &(String, String)) -> Vec<(String, String)> {
+    let pair = |key: &str, value: &str| (key.trim().to_ascii_uppercase(), value.trim().to_owned());
+    match key.as_str() {
+        "WEIGHTING_FUNCTION" => value
+            .split_once(',')
+            .map(|(key, value)| pair(key, value))
+            .into_iter()
+            .collect(),
+        "MEASUREMENT_SOURCE" | "COMPUTATIONAL_PARAMETER" if value.contains('=') => value
+            .split([' ', ';', '\t'])
+            .filter_map(|word| word.split_once('='))
+            .map(|(key, value)| pair(key, value))
+            .collect(),
+        key => match value.split_once('/') {
+            Some((left, right)) if illuminant(left).is_some() && observer(right).is_some() => {
+                vec![pair("ILLUMINANT", left), pair("OBSERVER", right)]
+            }
+            _ => vec![pair(key, value)],
+        },
     }
 }
 
@@ -123,6 +142,12 @@ mod tests {
                 ("WEIGHTING_FUNCTION", "OBSERVER, 10 degree"),
             ],
             &[("ILLUMINATION_NAME", "CIE d50"), ("OBSERVER_ANGLE", "10deg")],
+            &[(
+                "MEASUREMENT_SOURCE",
+                "Illumination=D50 ObserverAngle=10degree WhiteBase=Abs Filter=No",
+            )],
+            &[("ILLUMINANT", "D50/10")],
+            &[("COMPUTATIONAL_PARAMETER", "D50/10")],
         ] {
             let stated = Stated::of(&keys(pairs));
             let mut notices = Vec::new();

@@ -1,6 +1,6 @@
 use nalgebra::{Matrix3, Vector3};
 
-use super::interpolation::{Interpolation, uniform_step};
+use super::interpolation::{SpectralInterpolation, uniform_step};
 use super::rgb_space::bradford;
 use super::{Adaptation, Colour, ColourError, Convention, Illuminant, Lab, LinearRgb, Xyz};
 use crate::fault::{self, Fault};
@@ -8,15 +8,16 @@ use crate::spectrum::{Spectrum, WavelengthGrid};
 
 /// The conversion of spectra on one wavelength grid under one [`Convention`], weights worked out once.
 ///
-/// X = k Σ S(λ) x̄(λ) β(λ), likewise Y and Z, k = 1/Σ S ȳ, so the perfect diffuser has Y = 1. On a grid that resolves the observer,
-/// of equal steps of 10 nm at most over 390..730 nm or more, the sums run over exactly its wavelengths: no interpolation, no
-/// correction of the ends.
+/// X = k Σ S(λ) x̄(λ) β(λ), likewise Y and Z, k = 1/Σ S ȳ, so the perfect diffuser has Y = 1. On a grid that resolves
+/// the observer, of equal steps of 10 nm at most over 390..730 nm or more, the sums run over exactly its wavelengths:
+/// no interpolation, no correction of the ends.
 ///
-/// On any other grid they run over every nanometre of the tables, 360..780 nm, and β is interpolated: by Sprague's polynomial
-/// where six or more steps are equal, else linearly, and beyond the ends it is that of the nearest end (the practice of ASTM
-/// E308). Whatever the grid, the perfect diffuser is then the same white, and a grey sample stays grey. Against 10 nm over
-/// 390..730 nm, on the reflectances of a colour chart and of dyed cloths, the colour difference of this is at most 0.04 ΔE*ab for
-/// 400..700 nm in steps of 10 nm, 0.3 in steps of 20 nm, and 20 for three wavelengths.
+/// On any other grid they run over every nanometre of the tables, 360..780 nm, and β is interpolated: by Sprague's
+/// polynomial where six or more steps are equal, else linearly, and beyond the ends it is that of the nearest end (the
+/// practice of ASTM E308). Whatever the grid, the perfect diffuser is then the same white, and a grey sample stays
+/// grey. Against 10 nm over 390..730 nm, on the reflectances of a colour chart and of dyed cloths, the colour
+/// difference of this is at most 0.04 ΔE*ab for 400..700 nm in steps of 10 nm, 0.3 in steps of 20 nm, and 20 for three
+/// wavelengths.
 #[derive(Clone, Debug)]
 pub struct ColourSystem {
     convention: Convention,
@@ -76,7 +77,7 @@ impl ColourSystem {
         let every_nm = (0..=(to - from).max(0.0) as usize).map(|i| from + i as f64).collect();
         let every_nm = WavelengthGrid::new(every_nm)?;
         let all = products(tables, &every_nm)?;
-        let interpolation = Interpolation::of(grid);
+        let interpolation = SpectralInterpolation::of(grid);
         let mut weights = match is_plain {
             true => products(tables, grid)?,
             false => {
@@ -134,8 +135,8 @@ impl ColourSystem {
         self.doubt().map(|why| format!("the colours are doubtful: {why}"))
     }
 
-    /// Why the colours of this grid are doubtful, where they are: wavelengths too far apart, or too little of what the observer sees
-    /// between the first and the last.
+    /// Why the colours of this grid are doubtful, where they are: wavelengths too far apart, or too little of what the
+    /// observer sees between the first and the last.
     pub fn doubt(&self) -> Option<&str> {
         match &self.fitness {
             Fitness::Sound => None,
@@ -246,7 +247,8 @@ fn products([power, x, y, z]: [&Spectrum; 4], grid: &WavelengthGrid) -> Result<V
 
 /// `all` is S x̄, S ȳ, S z̄ at every nanometre.
 fn fitness(grid: &WavelengthGrid, every_nm: &WavelengthGrid, all: &[Vector3<f64>]) -> Fitness {
-    /// Share of a colour-matching function outside the data from which on a colour is doubtful, and from which on there is none.
+    /// Share of a colour-matching function outside the data from which on a colour is doubtful, and from which on there
+    /// is none.
     const OUTSIDE: [f64; 2] = [0.02, 0.5];
     /// Largest step that resolves the functions, in nm, where they are not almost 0.
     const STEP_NM: f64 = 20.0;

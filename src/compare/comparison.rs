@@ -3,8 +3,8 @@
 use super::metrics::{Curves, Slot, peak_angle_deg, ratio_of};
 use super::propagation::{Channels, Propagation};
 use super::{
-    Channel, Coefficient, ColourRatios, CompareError, Compared, Comparison, CurvePoint, Estimate, Geometry, Inputs,
-    Peak, Rmse, Role, Source, SourceId, SourceRatios,
+    Channel, Coefficient, ColourRatios, CompareError, Compared, Comparison, CurvePoint, Geometry, Inputs, Peak,
+    PropagatedEstimate, Rmse, Role, Source, SourceId, SourceRatios,
 };
 use crate::sample::Reading;
 
@@ -28,12 +28,12 @@ impl ColourRatios {
 }
 
 impl Comparison {
-    /// Compares every model and every classical shading with every sample. Curves are normalised to the first sample; without a
-    /// sample they are absolute, and there is nothing else.
+    /// Compares every model and every classical shading with every sample. Curves are normalised to the first sample;
+    /// without a sample they are absolute, and there is nothing else.
     ///
     /// # Errors
-    /// Lists of other lengths than the geometries, values that are not finite, fewer than two batches, a sample without any
-    /// reading, or an id that occurs twice.
+    /// Lists of other lengths than the geometries, values that are not finite, fewer than two batches, a sample without
+    /// any reading, or an id that occurs twice.
     pub fn new(inputs: &Inputs) -> Result<Self, CompareError> {
         let sources: Vec<Source> = inputs.sources().cloned().collect();
         let twice = |(place, source): (usize, &Source)| sources[..place].iter().any(|other| other.id == source.id);
@@ -119,7 +119,7 @@ struct Beside<'a> {
 }
 
 /// A source with the function that its values are and the errors that they have.
-struct Entry<'a> {
+struct ComparedEntry<'a> {
     id: &'a SourceId,
     slot: Slot,
     propagation: &'a Propagation,
@@ -146,26 +146,30 @@ impl<'a> Beside<'a> {
         })
     }
 
-    fn models(&self) -> impl Iterator<Item = Entry<'_>> {
+    fn models(&self) -> impl Iterator<Item = ComparedEntry<'_>> {
         let models = self.inputs.models.iter().zip(&self.propagations);
-        models.map(|(model, propagation)| Entry {
+        models.map(|(model, propagation)| ComparedEntry {
             id: &model.source.id,
             slot: Slot::Model,
             propagation,
         })
     }
 
-    fn classical(&self) -> impl Iterator<Item = Entry<'_>> {
-        self.inputs.classical.iter().enumerate().map(|(place, shading)| Entry {
-            id: &shading.source.id,
-            slot: Slot::Classical(place),
-            propagation: &self.propagations[0],
-        })
+    fn classical(&self) -> impl Iterator<Item = ComparedEntry<'_>> {
+        self.inputs
+            .classical
+            .iter()
+            .enumerate()
+            .map(|(place, shading)| ComparedEntry {
+                id: &shading.source.id,
+                slot: Slot::Classical(place),
+                propagation: &self.propagations[0],
+            })
     }
 
     /// The sample itself.
-    fn measured(&self) -> Option<Entry<'_>> {
-        self.sample.map(|sample| Entry {
+    fn measured(&self) -> Option<ComparedEntry<'_>> {
+        self.sample.map(|sample| ComparedEntry {
             id: &sample.source.id,
             slot: Slot::Measured,
             propagation: &self.propagations[0],
@@ -176,7 +180,7 @@ impl<'a> Beside<'a> {
         self.inputs.geometries[place]
     }
 
-    fn coefficient(&self, of: &Entry) -> Estimate {
+    fn coefficient(&self, of: &ComparedEntry) -> PropagatedEstimate {
         of.propagation
             .estimate(|model, measured| self.curves.coefficient(of.slot, model, measured))
     }
@@ -186,7 +190,7 @@ impl<'a> Beside<'a> {
         let Some(sample) = self.sample.filter(|_| self.curves.normalised()) else {
             return Vec::new();
         };
-        let of = |entry: Entry| Coefficient {
+        let of = |entry: ComparedEntry| Coefficient {
             source: entry.id.clone(),
             sample: sample.source.id.clone(),
             at: self.geometry(self.curves.reference()),
@@ -200,7 +204,7 @@ impl<'a> Beside<'a> {
             return Vec::new();
         };
         let reference = self.curves.reference();
-        let of = |entry: Entry| SourceRatios {
+        let of = |entry: ComparedEntry| SourceRatios {
             source: entry.id.clone(),
             sample: sample.clone(),
             ratios: ColourRatios::new(entry.propagation, |channel, model, measured| {
@@ -259,10 +263,10 @@ impl<'a> Beside<'a> {
         points
     }
 
-    /// Of each model the relative Monte Carlo error of its luminance over the views, rms over mean, or of its coefficient, if that is
-    /// larger.
+    /// Of each model the relative Monte Carlo error of its luminance over the views, rms over mean, or of its
+    /// coefficient, if that is larger.
     fn model_errors(&self, views: &[usize]) -> Vec<f64> {
-        let of = |model: Entry| {
+        let of = |model: ComparedEntry| {
             let estimates = views.iter().map(|&j| {
                 model
                     .propagation
@@ -341,8 +345,9 @@ impl<'a> Beside<'a> {
             let square = |slot, model: &[Channels], measured: &[Option<Channels>]| {
                 curves.rmse(slot, channel, views, model, measured).powi(2)
             };
-            // Monte Carlo noise is in the model's mean square alone and would count against the model. It is subtracted, but
-            // no more than half: a model that is nothing but noise away from the measurement keeps a finite ratio.
+            // Monte Carlo noise is in the model's mean square alone and would count against the model. It is
+            // subtracted, but no more than half: a model that is nothing but noise away from the measurement keeps a
+            // finite ratio.
             let mean_square = propagation.estimate(|model, measured| square(Slot::Model, model, measured));
             let noise = mean_square.bias_monte_carlo.clamp(0.0, mean_square.value / 2.0);
             for classical in self.classical() {

@@ -1,7 +1,7 @@
 use crate::number::nan_from_null;
 use serde::{Deserialize, Serialize};
 
-use super::{Channels, Estimate, Propagation};
+use super::{Channels, PropagatedEstimate, Propagation};
 use crate::colour::{ColourSystem, LinearRgb};
 
 /// Hue and chroma of model and sample at one geometry, in CIE 1976 Lab, both at the sample's luminance.
@@ -13,11 +13,11 @@ pub struct HueComparison {
     #[serde(deserialize_with = "nan_from_null")]
     pub measured_hue_deg: f64,
     /// Model less sample, −180..180 degrees.
-    pub difference_deg: Estimate,
-    pub model_chroma: Estimate,
-    pub measured_chroma: Estimate,
-    /// Both are coloured (chroma above 10) and 30 degrees or more apart in hue, or one is coloured (above 20) and the other neutral
-    /// (below 5); each by more than two standard errors.
+    pub difference_deg: PropagatedEstimate,
+    pub model_chroma: PropagatedEstimate,
+    pub measured_chroma: PropagatedEstimate,
+    /// Both are coloured (chroma above 10) and 30 degrees or more apart in hue, or one is coloured (above 20) and the
+    /// other neutral (below 5); each by more than two standard errors.
     pub plainly_different: bool,
 }
 
@@ -52,10 +52,10 @@ pub fn hue(propagation: &Propagation, place: usize, colour: &ColourSystem) -> Op
     if !(difference.value.is_finite() && difference.se.is_finite()) {
         return None;
     }
-    let above = |e: &Estimate, limit: f64| e.value - SIGMAS * e.se > limit;
-    let below = |e: &Estimate, limit: f64| e.value + SIGMAS * e.se < limit;
+    let above = |e: &PropagatedEstimate, limit: f64| e.value - SIGMAS * e.se > limit;
+    let below = |e: &PropagatedEstimate, limit: f64| e.value + SIGMAS * e.se < limit;
     let apart = difference.value.abs() - SIGMAS * difference.se > APART_DEG;
-    let one_neutral = |a: &Estimate, b: &Estimate| above(a, STRONG) && below(b, NEUTRAL);
+    let one_neutral = |a: &PropagatedEstimate, b: &PropagatedEstimate| above(a, STRONG) && below(b, NEUTRAL);
     let measured: Vec<Option<Channels>> = propagation.measured_values();
     let angles = labs(propagation.model_mean(), &measured).map(|lab| hue(lab).rem_euclid(360.0));
     Some(HueComparison {

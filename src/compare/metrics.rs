@@ -2,7 +2,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::fault::{self, Fault};
 
-use super::propagation::{Channels, Estimate, Propagation, check};
+use super::propagation::{Channels, PropagatedEstimate, Propagation, check};
 use super::{Channel, CompareError, Compared, Geometry, Inputs, RmseRatio, SourceId, Verdict};
 use crate::sample::Reading;
 
@@ -16,7 +16,8 @@ pub(super) enum Slot {
     Measured,
 }
 
-/// Curves of all sources beside one sample, as functions of (model mean, measured) that [`Propagation`] turns into estimates.
+/// Curves of all sources beside one sample, as functions of (model mean, measured) that [`Propagation`] turns into
+/// estimates.
 pub(super) struct Curves<'a> {
     geometries: &'a [Geometry],
     classical: Vec<&'a [Channels]>,
@@ -181,11 +182,12 @@ pub(super) fn peak_angle_deg(angles_deg: &[f64], values: &[f64]) -> f64 {
     angles_deg[top] + 0.5 * (right * right * drop_left - left * left * drop_right) / bend
 }
 
-/// Relative Monte Carlo error of the model's luminance above which no verdict is given: the jackknife of a ratio holds for small
-/// errors alone, and few paths leave out the rare bright ones.
+/// Relative Monte Carlo error of the model's luminance above which no verdict is given: the jackknife of a ratio holds
+/// for small errors alone, and few paths leave out the rare bright ones.
 const LARGEST_MODEL_ERROR: f64 = 0.25;
 
-/// Place of the reading nearest to normal incidence and view, by the squares of its two angles, of those with light if there is one.
+/// Place of the reading nearest to normal incidence and view, by the squares of its two angles, of those with light if
+/// there is one.
 pub fn reference(geometries: &[Geometry], measured: &[Option<Reading>]) -> Option<usize> {
     let distance = |j: usize| geometries[j].theta_i_deg.hypot(geometries[j].theta_v_deg);
     let nearest = |lit: bool| {
@@ -200,7 +202,7 @@ pub fn reference(geometries: &[Geometry], measured: &[Option<Reading>]) -> Optio
 
 /// Interval and verdict from ln(RMSE classical) − ln(RMSE model).
 pub(super) fn ratio_of(
-    log: &Estimate,
+    log: &PropagatedEstimate,
     propagation: &Propagation,
     theta_i_deg: f64,
     channel: Channel,
@@ -228,9 +230,9 @@ pub(super) fn ratio_of(
     }
 }
 
-/// 97.5 % quantile of Student's t. Only the Monte Carlo part was estimated from few numbers: its B − 1 degrees of freedom
-/// count in proportion to its share (Welch–Satterthwaite), the measurement's errors are given.
-fn t_quantile(estimate: &Estimate, batches: usize) -> f64 {
+/// 97.5 % quantile of Student's t. Only the Monte Carlo part was estimated from few numbers: its B − 1 degrees of
+/// freedom count in proportion to its share (Welch–Satterthwaite), the measurement's errors are given.
+fn t_quantile(estimate: &PropagatedEstimate, batches: usize) -> f64 {
     const NORMAL: f64 = 1.959_963_984_540_054;
     /// From here on the t quantile exceeds the normal one by less than 3e-6.
     const MANY: f64 = 1e6;
@@ -263,7 +265,7 @@ mod tests {
 
     #[test]
     fn t_quantile_matches_tables() {
-        let estimate = |mc: f64, measurement: f64| Estimate {
+        let estimate = |mc: f64, measurement: f64| PropagatedEstimate {
             value: 0.0,
             se: mc.hypot(measurement),
             bias_monte_carlo: 0.0,

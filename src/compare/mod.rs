@@ -1,4 +1,5 @@
-//! Models and classical shadings against samples: curves, errors, colour ratios, each with its standard error, and verdicts.
+//! Models and classical shadings against samples: curves, errors, colour ratios, each with its standard error, and
+//! verdicts.
 
 mod comparison;
 mod error;
@@ -14,7 +15,7 @@ pub use comparison::model_colour_ratios;
 pub use error::CompareError;
 pub use hue::{HueComparison, hue};
 pub use metrics::reference;
-pub use propagation::{Channels, Estimate, Propagation};
+pub use propagation::{Channels, PropagatedEstimate, Propagation};
 pub use result::{
     Channel, Coefficient, ColourRatios, Compared, Comparison, CurvePoint, Inputs, Peak, Rmse, RmseRatio, SourceRatios,
     Verdict,

@@ -9,7 +9,7 @@ pub type Channels = [f64; 4];
 
 /// A value and its standard error, with the two parts the error is made of, added in quadrature.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Estimate {
+pub struct PropagatedEstimate {
     #[serde(deserialize_with = "nan_from_null")]
     pub value: f64,
     #[serde(deserialize_with = "nan_from_null")]
@@ -26,11 +26,11 @@ pub struct Estimate {
 
 /// Carries Monte Carlo and measurement errors to any function of the model's mean and the measurement.
 ///
-/// Monte Carlo: delete-one jackknife over the batches, se² = (B−1)/B Σ (F₍b₎ − F̄)² (Efron and Stein 1981), which for the
-/// mean itself is the usual standard error of the mean; its bias is (B−1) (F̄ − F).
+/// Monte Carlo: delete-one jackknife over the batches, se² = (B−1)/B Σ (F₍b₎ − F̄)² (Efron and Stein 1981), which for
+/// the mean itself is the usual standard error of the mean; its bias is (B−1) (F̄ − F).
 ///
-/// Measurement: se² = Σ_j gⱼᵀ Cⱼ gⱼ, gⱼ the differences of F over ± one standard error of each channel of reading j, Cⱼ the
-/// covariance of its channels. Readings of different geometries are taken as independent; where they are not (a fit
+/// Measurement: se² = Σ_j gⱼᵀ Cⱼ gⱼ, gⱼ the differences of F over ± one standard error of each channel of reading j, Cⱼ
+/// the covariance of its channels. Readings of different geometries are taken as independent; where they are not (a fit
 /// evaluated at many angles, views interpolated from common neighbours) the error comes out too small for quantities
 /// that average over them.
 #[derive(Clone, Debug)]
@@ -96,7 +96,7 @@ impl Propagation {
     }
 
     /// Value and standard error of F(model mean, measured). Deterministic; F must not depend on anything else.
-    pub fn estimate(&self, f: impl Fn(&[Channels], &[Option<Channels>]) -> f64) -> Estimate {
+    pub fn estimate(&self, f: impl Fn(&[Channels], &[Option<Channels>]) -> f64) -> PropagatedEstimate {
         let mut measured = self.measured_values();
         let value = f(&self.model_mean, &measured);
         let replicates: Vec<f64> = self.leave_one_out.iter().map(|model| f(model, &measured)).collect();
@@ -127,7 +127,7 @@ impl Propagation {
                 measurement += g * line.iter().zip(&gradient).map(|(c, h)| c * h).sum::<f64>();
             }
         }
-        Estimate {
+        PropagatedEstimate {
             value,
             se: (monte_carlo + measurement).sqrt(),
             bias_monte_carlo: bias,

@@ -1,7 +1,7 @@
 //! What a comparison takes and what it says.
 
 use super::source::{first_classical, first_model, first_sample, is_first_classical, is_first_model, is_first_sample};
-use super::{Channels, Estimate, Source, SourceId};
+use super::{Channels, PropagatedEstimate, Source, SourceId};
 use crate::number::nan_from_null;
 use crate::rig::Geometry;
 use crate::sample::Reading;
@@ -38,7 +38,8 @@ impl<'a, T> Compared<'a, T> {
 #[derive(Clone, Debug)]
 pub struct Inputs<'a> {
     pub geometries: &'a [Geometry],
-    /// Independent Monte Carlo batches of equal weight, two or more; a model's value is their mean. Models err independently.
+    /// Independent Monte Carlo batches of equal weight, two or more; a model's value is their mean. Models err
+    /// independently.
     pub models: &'a [Compared<'a, Vec<Channels>>],
     /// Free of Monte Carlo error.
     pub classical: &'a [Compared<'a, Channels>],
@@ -54,7 +55,7 @@ pub struct Coefficient {
     /// Of that reading.
     pub at: Geometry,
     #[serde(flatten)]
-    pub factor: Estimate,
+    pub factor: PropagatedEstimate,
 }
 
 /// β of one source at one geometry, multiplied by the source's normalisation coefficient. The standard error of model
@@ -82,9 +83,9 @@ pub struct Rmse {
     pub channel: Channel,
     /// Root of the mean squared difference in β.
     #[serde(flatten)]
-    pub rmse: Estimate,
+    pub rmse: PropagatedEstimate,
     /// The same over the mean measured β of these views; `None` if that is not positive.
-    pub relative: Option<Estimate>,
+    pub relative: Option<PropagatedEstimate>,
     /// Views that were measured.
     pub views: usize,
     /// With which it is compared; left out where that is the first.
@@ -99,7 +100,7 @@ pub struct Peak {
     pub source: SourceId,
     pub channel: Channel,
     /// `None` for a flat curve, which has no peak.
-    pub angle_deg: Option<Estimate>,
+    pub angle_deg: Option<PropagatedEstimate>,
     /// The highest value is at the first or last view: the curve may rise further outside.
     pub at_edge: bool,
     /// With which it is compared; left out where that is the first.
@@ -134,11 +135,11 @@ pub struct RmseRatio {
     #[serde(deserialize_with = "nan_from_null")]
     pub ratio: f64,
     /// 95 % interval, symmetric in the logarithm, Student's t with the effective degrees of freedom of the batches
-    /// (Welch–Satterthwaite). `None` if an RMSE is exactly 0 or `too_few_paths`. Measurement noise adds to both RMSE and draws the ratio
-    /// towards 1, so the verdict errs on the side of `CannotTell`.
+    /// (Welch–Satterthwaite). `None` if an RMSE is exactly 0 or `too_few_paths`. Measurement noise adds to both RMSE
+    /// and draws the ratio towards 1, so the verdict errs on the side of `CannotTell`.
     pub interval: Option<[f64; 2]>,
-    /// The model's luminance at this incidence, or its normalisation, is known to no better than a quarter, or paths are too few for
-    /// their spread to tell: no verdict.
+    /// The model's luminance at this incidence, or its normalisation, is known to no better than a quarter, or paths
+    /// are too few for their spread to tell: no verdict.
     pub too_few_paths: bool,
     /// Better or worse if the interval leaves out 1. Each verdict has its own chance of a false alarm, about 5 % (4 to
     /// 6 % in trials with 8 batches and noise up to half of the departures); they are not corrected for their number.
@@ -148,10 +149,11 @@ pub struct RmseRatio {
 /// Blue/red and green/red at one geometry; normalisation cancels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ColourRatios {
-    pub blue_over_red: Estimate,
-    pub green_over_red: Estimate,
-    pub red: Estimate,
-    /// Red is within two of its standard errors of 0, or below 2 % of the largest component: a ratio to it means nothing.
+    pub blue_over_red: PropagatedEstimate,
+    pub green_over_red: PropagatedEstimate,
+    pub red: PropagatedEstimate,
+    /// Red is within two of its standard errors of 0, or below 2 % of the largest component: a ratio to it means
+    /// nothing.
     pub red_is_zero: bool,
 }
 
@@ -179,10 +181,11 @@ impl RmseRatio {
 pub struct Comparison {
     /// Models, classical shadings and samples, in the order of the inputs.
     pub sources: Vec<Source>,
-    /// Of models and classical shadings to each sample; none of a sample where a source has no light at the reference: then all
-    /// values beside it are absolute.
+    /// Of models and classical shadings to each sample; none of a sample where a source has no light at the reference:
+    /// then all values beside it are absolute.
     pub normalisation: Vec<Coefficient>,
-    /// Of each sample the measured geometry nearest to normal incidence and view: of its normalisation and its colour ratios.
+    /// Of each sample the measured geometry nearest to normal incidence and view: of its normalisation and its colour
+    /// ratios.
     pub references: Vec<Geometry>,
     /// Normalised to the first sample.
     pub curves: Vec<CurvePoint>,

@@ -1,6 +1,6 @@
 //! Table 1: colour ratios at normal illumination and view.
 
-use super::{ColourRatios, Estimate, SourceId};
+use super::{ColourRatios, PropagatedEstimate, SourceId};
 use crate::sample::PublishedRatios;
 use serde::{Deserialize, Serialize};
 
@@ -47,8 +47,8 @@ impl From<Table1Name> for String {
     }
 }
 
-/// Ratios of linear RGB at normal illumination and view; `None` where there is no such value, or none that is known: no light was
-/// hit, or one batch too few.
+/// Ratios of linear RGB at normal illumination and view; `None` where there is no such value, or none that is known: no
+/// light was hit, or one batch too few.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table1Row {
     pub row: Table1Name,
@@ -61,7 +61,7 @@ pub struct Table1Row {
 impl Table1Row {
     /// Ratios with their standard errors, of those that are known; none where red is as good as 0.
     pub fn estimated(row: Table1Name, ratios: &ColourRatios) -> Self {
-        let known = |ratio: &Estimate| {
+        let known = |ratio: &PropagatedEstimate| {
             let value = Some(ratio.value).filter(|value| value.is_finite() && !ratios.red_is_zero);
             [value, value.and_then(|value| known_error(value, ratio.se))]
         };
@@ -141,7 +141,8 @@ impl Table1<'_> {
     }
 }
 
-/// Ends of the ratios over several media, each end with its standard error; blue and green may come from different media.
+/// Ends of the ratios over several media, each end with its standard error; blue and green may come from different
+/// media.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RatioRanges {
     pub low: ColourRatios,
@@ -186,7 +187,7 @@ mod tests {
     use super::*;
 
     fn ratios(blue: f64, green: f64, red: f64) -> ColourRatios {
-        let of = |value: f64| Estimate {
+        let of = |value: f64| PropagatedEstimate {
             value,
             se: 0.1 * value.abs(),
             bias_monte_carlo: 0.0,

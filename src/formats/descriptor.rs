@@ -6,7 +6,7 @@ use super::error::FormatError;
 use super::options::{Encoding, ReadOptions};
 use super::text::{Text, decode};
 use super::write::WriteError;
-use crate::goniometric::{Component, Format, Goniometric, Provenance, Scatter};
+use crate::goniometric::{Component, FileProvenance, Format, Goniometric, Scatter};
 use crate::text::encoding::beginning;
 
 pub(super) const MIB: u64 = 1 << 20;
@@ -121,7 +121,7 @@ pub(super) struct Content<'a> {
     pub(super) component: &'a Component,
     /// One alone of formats that hold one.
     pub(super) components: &'a [&'a Component],
-    pub(super) provenance: &'a Provenance,
+    pub(super) provenance: &'a FileProvenance,
     pub(super) encoding: Encoding,
 }
 

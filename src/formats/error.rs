@@ -6,7 +6,7 @@ use std::fmt;
 pub struct FormatError {
     /// File, as it was named.
     pub path: String,
-    pub place: Place,
+    pub place: Location,
     /// With its unit.
     pub expected: String,
     pub found: Box<str>,
@@ -16,7 +16,7 @@ pub struct FormatError {
 
 /// A place in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Place {
+pub enum Location {
     /// The file as a whole.
     File,
     /// Of a text file; both from 1, the column in characters.
@@ -27,7 +27,7 @@ pub enum Place {
     Byte(u64),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File => Ok(()),
@@ -49,7 +49,7 @@ impl FormatError {
         found: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        Self::at(path, Place::File, expected, found, remedy)
+        Self::at(path, Location::File, expected, found, remedy)
     }
 
     pub(crate) fn byte(
@@ -59,12 +59,12 @@ impl FormatError {
         found: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        Self::at(path, Place::Byte(offset as u64), expected, found, remedy)
+        Self::at(path, Location::Byte(offset as u64), expected, found, remedy)
     }
 
     pub(crate) fn at(
         path: &str,
-        place: Place,
+        place: Location,
         expected: impl Into<String>,
         found: impl Into<String>,
         remedy: impl Into<String>,

@@ -1,7 +1,7 @@
 //! Goniometric files: what the field's instruments, archives and renderers read and write.
 //!
-//! Every reader gives one [`Goniometric`], whose values stay in the file's own quantity, parameters and nodes; every writer
-//! takes one. Formats are told by content; `registry` lists them. Conventions of each format: `docs/formats.md`.
+//! Every reader gives one [`Goniometric`], whose values stay in the file's own quantity, parameters and nodes; every
+//! writer takes one. Formats are told by content; `registry` lists them. Conventions of each format: `docs/formats.md`.
 
 mod byte_order;
 mod descriptor;
@@ -19,12 +19,12 @@ mod write;
 mod written;
 
 pub use crate::goniometric::{
-    Axis, Channels, Component, Directions, Evaluation, Fold, Format, Goniometric, Grid, Hemispherical, KlemsBasis,
-    KlemsMatrix, Parameters, Placement, Provenance, Quantity, Scatter, Scattered, Side, SpecularTable, Table,
-    TensorTree, Warped, direction,
+    Axis, ChannelSet, Component, Directions, Evaluation, FileProvenance, Fold, Format, Goniometric, Grid,
+    Hemispherical, KlemsBasis, KlemsMatrix, Parameters, Placement, Quantity, Scatter, Scattered, Side, SpecularTable,
+    Table, TensorTree, Warped, direction,
 };
 pub use descriptor::{Descriptor, Holds, Writer};
-pub use error::{FormatError, Place};
+pub use error::{FormatError, Location};
 pub use options::{AngleUnit, Encoding, ReadOptions, WriteOptions};
 pub use read::{format_of, parse, read};
 pub use write::WriteError;

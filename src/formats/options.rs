@@ -22,7 +22,8 @@ pub enum AngleUnit {
 /// What some formats leave to the writer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WriteOptions {
-    /// What is written; without it all that the format holds, of formats that hold one component the reflection if there is one.
+    /// What is written; without it all that the format holds, of formats that hold one component the reflection if
+    /// there is one.
     pub scatter: Option<Scatter>,
     /// Where the light comes from; without it the front, of formats that state the side both.
     pub side: Option<Side>,

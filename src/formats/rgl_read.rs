@@ -1,5 +1,5 @@
-//! The tensor file of the Realistic Graphics Lab (`.bsdf` of the RGL material database, Mitsuba's and pbrt's `measured`):
-//! named arrays in one binary file, little-endian.
+//! The tensor file of the Realistic Graphics Lab (`.bsdf` of the RGL material database, Mitsuba's and pbrt's
+//! `measured`): named arrays in one binary file, little-endian.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use super::error::{FormatError, remedy};
 use super::rgl_arrays::{F32, MAGIC, RGL, U8};
 use super::text::quoted;
 use crate::goniometric::{
-    Arrays, Channels, Component, Goniometric, Provenance, Quantity, Scatter, Side, Table, Warped,
+    Arrays, ChannelSet, Component, FileProvenance, Goniometric, Quantity, Scatter, Side, Table, Warped,
 };
 use crate::number::shown;
 use crate::spectrum::WavelengthGrid;
@@ -85,7 +85,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         let grid = WavelengthGrid::new(nm)
             .map_err(|e| FormatError::file(path, "ascending `wavelengths`", e.to_string(), remedy::WAVELENGTHS))?;
         let values = file.array("spectra", &[phis, thetas, Some(count), square, square])?;
-        (Channels::Wavelengths(grid), values)
+        (ChannelSet::Wavelengths(grid), values)
     } else {
         if file.fields.contains_key("wavelengths") {
             return Err(FormatError::file(
@@ -96,7 +96,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
             ));
         }
         (
-            Channels::Rgb,
+            ChannelSet::Rgb,
             file.array("rgb", &[phis, thetas, Some(3), square, square])?,
         )
     };
@@ -146,10 +146,10 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         )
     })?;
     let mut warnings = Vec::new();
-    if channels == Channels::Rgb {
+    if channels == ChannelSet::Rgb {
         warnings.push("the RGB primaries are not stated".to_owned());
     }
-    let name = if channels == Channels::Rgb { "rgb" } else { "spectra" };
+    let name = if channels == ChannelSet::Rgb { "rgb" } else { "spectra" };
     let negative = warped.negative_above_horizon();
     if negative.count > 0 {
         if negative.sum >= negative.positive_sum {
@@ -158,7 +158,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
                  binary mode"
             ));
         }
-        let cause = if channels == Channels::Rgb {
+        let cause = if channels == ChannelSet::Rgb {
             "as colours outside the RGB space have them"
         } else {
             "as dark subtraction leaves them"
@@ -187,7 +187,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
             bytes.len() - end
         ));
     }
-    let provenance = Provenance {
+    let provenance = FileProvenance {
         source: None,
         statements: vec![("description".into(), description)],
         comments: Vec::new(),

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::error::{FormatError, Place, remedy};
+use super::error::{FormatError, Location, remedy};
 use crate::spectrum::plausibility;
 use crate::text::encoding::{self, Decoded};
 
@@ -43,14 +43,14 @@ impl<'a> Text<'a> {
     }
 
     /// Line and column of a byte of the text.
-    pub(crate) fn place(&self, at: usize) -> Place {
+    pub(crate) fn place(&self, at: usize) -> Location {
         let before = &self.text[..at.min(self.text.len())];
         // Lines end with \n, \r\n or \r.
         let ends = before.as_bytes().iter().enumerate();
         let lines = ends.filter(|&(i, &b)| b == b'\n' || (b == b'\r' && before.as_bytes().get(i + 1) != Some(&b'\n')));
         let (line, start) = lines.fold((1, 0), |(line, _), (i, _)| (line + 1, i + 1));
         let column = before[start..].chars().count() + 1;
-        Place::Line { line, column }
+        Location::Line { line, column }
     }
 }
 

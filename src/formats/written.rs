@@ -62,9 +62,9 @@ pub fn write(data: &Goniometric, format: Format, options: &WriteOptions) -> Resu
     })
 }
 
-/// The components that are written, at least one: those that were asked for and that the format holds. Of formats that hold one
-/// it is, where nothing was asked for, the reflection before the transmission. What comes from the back is written into formats
-/// that do not state the side only where it was asked for.
+/// The components that are written, at least one: those that were asked for and that the format holds. Of formats that
+/// hold one it is, where nothing was asked for, the reflection before the transmission. What comes from the back is
+/// written into formats that do not state the side only where it was asked for.
 fn chosen<'a>(
     data: &'a Goniometric,
     format: Format,

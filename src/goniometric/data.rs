@@ -1,6 +1,6 @@
 use super::direction::{every_tenth_degree, rounded_deg};
 use super::grid::Grid;
-use super::kinds::{Channels, Format, Placement, Provenance, Quantity, Scatter, Side};
+use super::kinds::{ChannelSet, FileProvenance, Format, Placement, Quantity, Scatter, Side};
 use super::klems::KlemsMatrix;
 use super::scattered::Scattered;
 use super::specular::SpecularTable;
@@ -16,7 +16,7 @@ use crate::geometry::Vec3;
 pub struct Goniometric {
     pub format: Format,
     /// Statements of the file about itself.
-    pub provenance: Provenance,
+    pub provenance: FileProvenance,
     /// At least one.
     pub components: Vec<Component>,
     /// Assumptions and omissions of the reader.
@@ -30,7 +30,7 @@ pub struct Component {
     /// Side the light comes from.
     pub side: Side,
     pub quantity: Quantity,
-    pub channels: Channels,
+    pub channels: ChannelSet,
     pub table: Table,
 }
 
@@ -192,7 +192,7 @@ impl Component {
 
     /// The same table with other channels, by a linear map, if its interpolation is linear in the values: interpolating
     /// fewer channels is faster. `None` for other tables.
-    pub(crate) fn with_channels(&self, channels: Channels, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<Self> {
+    pub(crate) fn with_channels(&self, channels: ChannelSet, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<Self> {
         let count = channels.count();
         let table = match &self.table {
             Table::Grid(grid) => Table::Grid(grid.with_channels(count, map)?),

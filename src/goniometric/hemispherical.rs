@@ -49,7 +49,7 @@ pub struct Hemispherical {
 
 /// Parametrisation of the outgoing direction by two numbers.
 #[derive(Clone, Copy)]
-enum Chart {
+enum Parametrisation {
     /// Polar angle and azimuth.
     Sphere,
     /// Angle from a direction tilted away from the light, and azimuth about it.
@@ -60,7 +60,7 @@ enum Chart {
     Half { theta_i: f64 },
 }
 
-impl Chart {
+impl Parametrisation {
     fn farthest(self) -> f64 {
         match self {
             Self::Mirror { .. } => PI,
@@ -108,7 +108,7 @@ impl Chart {
 
 /// A chart with its cells' limits.
 struct Cut {
-    chart: Chart,
+    chart: Parametrisation,
     /// Azimuth that the second number counts from.
     turn: f64,
     polar: Vec<f64>,
@@ -117,7 +117,7 @@ struct Cut {
 
 impl Cut {
     /// Nodes may be in any order. Azimuths may have any value and are measured from `turn`.
-    fn new(chart: Chart, turn: f64, polar_nodes: &[f64], azimuth_nodes: &[f64]) -> Self {
+    fn new(chart: Parametrisation, turn: f64, polar_nodes: &[f64], azimuth_nodes: &[f64]) -> Self {
         let last = chart.farthest();
         let inside = polar_nodes.iter().copied().filter(|a| *a > 1e-9 && *a < last - 1e-9);
         let mut polar: Vec<f64> = inside.chain([0.0, last]).collect();
@@ -298,15 +298,20 @@ impl Component {
             _ => {}
         }
         let integral = self.integral(theta_i_rad, phi_i_rad)?;
+        self.summed(&integral.cells())
+    }
+
+    /// [`Self::integrated`] of the cells of an integral.
+    fn summed(&self, cells: &[Cell]) -> Option<Hemispherical> {
         let mut sums = Hemispherical {
             values: vec![0.0; self.channels.count()],
             errors: vec![0.0; self.channels.count()],
             measured: 0.0,
         };
-        for cell in integral.cells() {
+        for cell in cells {
             sums.measured += cell.measured;
-            sums.values.iter_mut().zip(cell.sums).for_each(|(sum, v)| *sum += v);
-            sums.errors.iter_mut().zip(cell.errors).for_each(|(sum, e)| *sum += e);
+            sums.values.iter_mut().zip(&cell.sums).for_each(|(sum, v)| *sum += v);
+            sums.errors.iter_mut().zip(&cell.errors).for_each(|(sum, e)| *sum += e);
         }
         // The same rule integrates the projected hemisphere, with an error far below any gap of a table. The ratio of
         // the integrals is exact for constant f.
@@ -332,15 +337,43 @@ impl Component {
         })
     }
 
-    /// Quadrature points over the hemisphere of outgoing directions (upright), with light from above: direction,
-    /// cos θ dω, and f cos θ dω per channel. Their sums equal [`Self::directional_hemispherical`] to its error. No
-    /// points for tables that are constant on cells, or if nothing was measured.
-    pub(crate) fn visit_hemisphere(&self, theta_i: f64, phi_i: f64, mut visit: impl FnMut(&Vec3, f64, &[f64])) {
-        let Some(integral) = self.integral(theta_i, phi_i) else {
-            return;
+    /// Integral over the hemisphere of outgoing directions (upright), with light from above. It has no points for tables
+    /// that are constant on cells, or if nothing was measured.
+    pub(crate) fn hemisphere(&self, theta_i: f64, phi_i: f64) -> Hemisphere {
+        let mut points = Vec::new();
+        let total = match self.integral(theta_i, phi_i) {
+            Some(integral) => {
+                let cells = integral.cells();
+                for cell in &cells {
+                    integral.points([cell.polar, cell.around], &GAUSS_3, |out, projected, values| {
+                        points.push((*out, projected, values.to_vec()));
+                    });
+                }
+                self.summed(&cells)
+            }
+            None => self.directional_hemispherical(theta_i, phi_i),
         };
-        for cell in integral.cells() {
-            integral.points([cell.polar, cell.around], &GAUSS_3, &mut visit);
+        Hemisphere { points, total }
+    }
+}
+
+/// Quadrature points over the hemisphere of outgoing directions, and the integral.
+pub(crate) struct Hemisphere {
+    /// Direction, cos θ dω, and f cos θ dω per channel.
+    points: Vec<(Vec3, f64, Vec<f64>)>,
+    /// As [`Component::directional_hemispherical`]; equals the sums of the points to its error.
+    total: Option<Hemispherical>,
+}
+
+impl Hemisphere {
+    pub(crate) fn total(&self) -> Option<&Hemispherical> {
+        self.total.as_ref()
+    }
+
+    /// Visits the points rotated about the normal by `turn_rad`: direction, cos θ dω, and f cos θ dω per channel.
+    pub(crate) fn visit(&self, turn_rad: f64, mut visit: impl FnMut(&Vec3, f64, &[f64])) {
+        for (out, projected, values) in &self.points {
+            visit(&about_z(out, turn_rad), *projected, values);
         }
     }
 }
@@ -355,17 +388,17 @@ fn of_grid(grid: &Grid, theta_i: f64, phi_i: f64) -> Option<Cut> {
     Some(match grid.parameters() {
         Parameters::Spherical => {
             let turn = if grid.is_isotropic() { phi_i } else { 0.0 };
-            Cut::new(Chart::Sphere, turn, third, &azimuths)
+            Cut::new(Parametrisation::Sphere, turn, third, &azimuths)
         }
         Parameters::Specular { offsets_rad } => {
             let tilt = theta_i + grid.offset(offsets_rad, theta_i)?;
-            Cut::new(Chart::Mirror { tilt }, phi_i, third, &azimuths)
+            Cut::new(Parametrisation::Mirror { tilt }, phi_i, third, &azimuths)
         }
         Parameters::Distorted { offsets_rad } => {
             let tilt = theta_i + grid.offset(offsets_rad, theta_i)?;
-            Cut::new(Chart::Distorted { tilt }, phi_i, third, &azimuths)
+            Cut::new(Parametrisation::Distorted { tilt }, phi_i, third, &azimuths)
         }
-        Parameters::HalfDifference => Cut::new(Chart::Half { theta_i }, phi_i, first, &[]),
+        Parameters::HalfDifference => Cut::new(Parametrisation::Half { theta_i }, phi_i, first, &[]),
     })
 }
 
@@ -375,11 +408,11 @@ fn of_scattered(scattered: &Scattered, theta_i: f64, phi_i: f64) -> Option<Cut> 
     }
     let (polar, azimuths) = scattered.outgoing_nodes(theta_i, phi_i)?;
     let few = |nodes: Vec<f64>| if nodes.len() > MOST_NODES { Vec::new() } else { nodes };
-    Some(Cut::new(Chart::Sphere, 0.0, &few(polar), &few(azimuths)))
+    Some(Cut::new(Parametrisation::Sphere, 0.0, &few(polar), &few(azimuths)))
 }
 
 fn of_warped(warped: &Warped, theta_i: f64, phi_i: f64) -> Cut {
-    Cut::new(Chart::Half { theta_i }, phi_i, &warped.polar_nodes(), &[])
+    Cut::new(Parametrisation::Half { theta_i }, phi_i, &warped.polar_nodes(), &[])
 }
 
 #[cfg(test)]
@@ -393,13 +426,13 @@ mod tests {
         let polar: Vec<f64> = (1..16).map(|i| 0.1 * f64::from(i)).collect();
         let azimuths: Vec<f64> = (1..629).map(|i| 0.01 * f64::from(i)).collect();
         for chart in [
-            Chart::Sphere,
-            Chart::Mirror { tilt: 0.0 },
-            Chart::Mirror { tilt: 0.7 },
-            Chart::Mirror { tilt: FRAC_PI_2 },
-            Chart::Distorted { tilt: 0.9 },
-            Chart::Half { theta_i: 0.0 },
-            Chart::Half { theta_i: 1.2 },
+            Parametrisation::Sphere,
+            Parametrisation::Mirror { tilt: 0.0 },
+            Parametrisation::Mirror { tilt: 0.7 },
+            Parametrisation::Mirror { tilt: FRAC_PI_2 },
+            Parametrisation::Distorted { tilt: 0.9 },
+            Parametrisation::Half { theta_i: 0.0 },
+            Parametrisation::Half { theta_i: 1.2 },
         ] {
             let cut = Cut::new(chart, 0.3, &polar, &azimuths);
             let mut sum = 0.0;

@@ -29,7 +29,7 @@ impl fmt::Display for Format {
 
 /// A file's statement of the source of its values.
 #[derive(Clone, Debug, PartialEq, Default, Serialize)]
-pub struct Provenance {
+pub struct FileProvenance {
     /// `Measured`, `Generated`, `Edited`, …, as the file has it.
     pub source: Option<String>,
     /// Other statements, by the file's own key words.
@@ -94,7 +94,7 @@ impl Quantity {
 
 /// Meaning of the values of one geometry.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Channels {
+pub enum ChannelSet {
     /// One value of no stated colour; in Radiance files photometric.
     Monochrome,
     /// Linear, of primaries that hardly any format states.
@@ -103,7 +103,7 @@ pub enum Channels {
     Wavelengths(WavelengthGrid),
 }
 
-impl Channels {
+impl ChannelSet {
     /// Number of values of a geometry.
     pub fn count(&self) -> usize {
         match self {

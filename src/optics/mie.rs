@@ -113,7 +113,7 @@ impl Mie {
         let coefficients = (1..=outside.last())
             .map(|n| {
                 let (psi, chi, psi_prime, chi_prime) = outside.at(n);
-                Coefficients {
+                SeriesCoefficients {
                     a: Partial::new(psi_prime.into(), chi_prime.into(), 0.0),
                     b: Partial::new(psi.into(), chi.into(), 0.0),
                 }
@@ -154,8 +154,8 @@ impl Mie {
         0.5 * (s1.norm_sqr() + s2.norm_sqr())
     }
 
-    fn from_coefficients(x: f64, mut series: Vec<Coefficients>) -> Self {
-        let size = |n: usize, c: &Coefficients| (2 * n + 3) as f64 * (c.a.value.norm() + c.b.value.norm());
+    fn from_coefficients(x: f64, mut series: Vec<SeriesCoefficients>) -> Self {
+        let size = |n: usize, c: &SeriesCoefficients| (2 * n + 3) as f64 * (c.a.value.norm() + c.b.value.norm());
         let largest = series.iter().enumerate().map(|(n, c)| size(n, c)).fold(0.0, f64::max);
         while series.len() > 3
             && series
@@ -166,7 +166,7 @@ impl Mie {
         }
         let efficiencies = efficiencies(x, &series);
         let weight = |n: usize| (2 * n + 3) as f64 / ((n + 1) * (n + 2)) as f64;
-        let combine = |f: fn(&Coefficients) -> Complex64| -> Vec<Complex64> {
+        let combine = |f: fn(&SeriesCoefficients) -> Complex64| -> Vec<Complex64> {
             series.iter().enumerate().map(|(n, c)| f(c) * weight(n)).collect()
         };
         Self {
@@ -216,12 +216,12 @@ impl Partial {
     }
 }
 
-struct Coefficients {
+struct SeriesCoefficients {
     a: Partial,
     b: Partial,
 }
 
-fn dielectric(m: Complex64, x: f64) -> Vec<Coefficients> {
+fn dielectric(m: Complex64, x: f64) -> Vec<SeriesCoefficients> {
     let outside = Outside::new(x);
     let inside = ratios(m * x, outside.last());
     let m2 = m * m;
@@ -239,7 +239,7 @@ fn dielectric(m: Complex64, x: f64) -> Vec<Coefficients> {
                 ),
                 None => (electric * psi - psi_prime, magnetic * psi - psi_prime),
             };
-            Coefficients {
+            SeriesCoefficients {
                 a: Partial::new(p_a, electric * chi - chi_prime, -electric.im),
                 b: Partial::new(p_b, magnetic * chi - chi_prime, -magnetic.im),
             }
@@ -248,7 +248,7 @@ fn dielectric(m: Complex64, x: f64) -> Vec<Coefficients> {
 }
 
 /// Sums of Bohren and Huffman 4.61, 4.62, 4.82 and the asymmetry parameter of their section 4.5.
-fn efficiencies(x: f64, series: &[Coefficients]) -> Efficiencies {
+fn efficiencies(x: f64, series: &[SeriesCoefficients]) -> Efficiencies {
     let (mut scattered, mut absorbed, mut asymmetry) = (0.0, 0.0, 0.0);
     let mut back = Complex64::ZERO;
     let mut lost = Complex64::ZERO;

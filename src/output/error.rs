@@ -17,6 +17,10 @@ pub enum OutputError {
     Protected { path: PathBuf },
     #[error("{}: a file stands where a folder should be; name another folder or move the file", path.display())]
     FileInTheWay { path: PathBuf },
+    #[error("{}: expected a folder, found a device or a pipe; name a folder", path.display())]
+    NotAFolder { path: PathBuf },
+    #[error("{}: expected a file, found the name of a folder, which ends in a slash; leave the slash out", path.display())]
+    FolderName { path: PathBuf },
     #[error("{}: a folder stands where this file should be written; name another place or move the folder", path.display())]
     FolderInTheWay { path: PathBuf },
     #[error("{}: expected a file, a pipe, a character device or - for stdout, found {found}; name a file", path.display())]

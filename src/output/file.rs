@@ -1,13 +1,13 @@
 use super::OutputError;
 use super::error::not_writable;
-use super::place::{Identity, Place, Target};
+use super::place::{Destination, FileIdentity, Target};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Finds out before any work whether these outputs can be written and may be; leaves nothing behind. `may_replace` is asked for
-/// each that exists.
+/// Finds out before any work whether these outputs can be written and may be; leaves nothing behind. `may_replace` is
+/// asked for each that exists.
 ///
 /// # Errors
 /// An output that is one of the inputs, by path or as a hard link, or another output; one that exists and may not be
@@ -15,11 +15,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub fn prepare(
     outputs: &[&Path],
     inputs: &[PathBuf],
-    may_replace: &dyn Fn(&Place) -> bool,
-) -> Result<Vec<Place>, OutputError> {
-    let places: Vec<Place> = outputs.iter().map(|path| Place::find(path)).collect::<Result<_, _>>()?;
-    let identities: Vec<Identity> = places.iter().map(Place::identity).collect();
-    let inputs: Vec<(&PathBuf, Identity)> = inputs.iter().map(|path| (path, Identity::of(path))).collect();
+    may_replace: &dyn Fn(&Destination) -> bool,
+) -> Result<Vec<Destination>, OutputError> {
+    let places: Vec<Destination> = outputs
+        .iter()
+        .map(|path| Destination::find(path))
+        .collect::<Result<_, _>>()?;
+    let identities: Vec<FileIdentity> = places.iter().map(Destination::identity).collect();
+    let inputs: Vec<(&PathBuf, FileIdentity)> = inputs.iter().map(|path| (path, FileIdentity::of(path))).collect();
     for (i, (place, identity)) in places.iter().zip(&identities).enumerate() {
         if let Some((input, _)) = inputs.iter().find(|(_, input)| input.is(identity)) {
             return Err(OutputError::IsInput {
@@ -54,16 +57,19 @@ pub fn make_folder(path: &Path) -> Result<(), OutputError> {
     if let Some(file) = path.ancestors().find(|p| p.is_file()) {
         return Err(OutputError::FileInTheWay { path: file.to_owned() });
     }
+    if let Some(other) = path.ancestors().find(|p| p.exists() && !p.is_dir()) {
+        return Err(OutputError::NotAFolder { path: other.to_owned() });
+    }
     fs::create_dir_all(path).map_err(not_writable(path))
 }
 
 /// Writes one output: a file whole or not at all.
-pub fn write_whole(place: &Place, bytes: &[u8]) -> Result<(), OutputError> {
+pub fn write_whole(place: &Destination, bytes: &[u8]) -> Result<(), OutputError> {
     write_all(&[(place, bytes)])
 }
 
 /// Writes all files of a set or none: the first is moved to its place when the last is whole on the disk.
-pub fn write_all(set: &[(&Place, &[u8])]) -> Result<(), OutputError> {
+pub fn write_all(set: &[(&Destination, &[u8])]) -> Result<(), OutputError> {
     let mut outputs = Vec::with_capacity(set.len());
     // What goes to a stream cannot be taken back, so it comes when all files are known to fit.
     let (files, streams): (Vec<_>, Vec<_>) = set.iter().partition(|(place, _)| place.is_file());
@@ -105,7 +111,7 @@ enum Sink {
 }
 
 impl Output {
-    pub fn create(place: &Place) -> Result<Self, OutputError> {
+    pub fn create(place: &Destination) -> Result<Self, OutputError> {
         let typed = place.path().to_owned();
         let sink = match &place.target {
             Target::Stdout => Sink::Stdout(io::stdout()),

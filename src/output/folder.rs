@@ -1,6 +1,6 @@
 use super::file::{make_folder, prepare, write_all};
-use super::place::Place;
-use super::record::Record;
+use super::place::Destination;
+use super::record::WrittenRecord;
 use super::{Lock, OutputError, expect_scratch};
 use std::path::{Path, PathBuf};
 
@@ -18,8 +18,8 @@ pub struct Written {
     pub left: Vec<String>,
 }
 
-/// A folder for a report, prepared before a simulation starts, so that a bad path fails in the first second. No second run may
-/// write there while this lives.
+/// A folder for a report, prepared before a simulation starts, so that a bad path fails in the first second. No second
+/// run may write there while this lives.
 #[derive(Debug)]
 pub struct ReportFolder {
     path: PathBuf,
@@ -32,18 +32,18 @@ impl ReportFolder {
     pub const STATE: &str = "specval.state";
     const LOCK: &str = "specval.lock";
 
-    /// Makes the folder where it is missing, and tries to write in it. `names` are the files that will be written; `force`
-    /// lets them replace files that no earlier report wrote, or that were changed since.
+    /// Makes the folder where it is missing, and tries to write in it. `names` are the files that will be written;
+    /// `force` lets them replace files that no earlier report wrote, or that were changed since.
     ///
     /// # Errors
     /// As [`prepare`]; another run that has the folder.
     pub fn prepare(path: &Path, names: &[String], inputs: &[PathBuf], force: bool) -> Result<Self, OutputError> {
-        let earlier = Record::read(path);
-        let own = names.iter().map(String::as_str).chain([Record::NAME]);
+        let earlier = WrittenRecord::read(path);
+        let own = names.iter().map(String::as_str).chain([WrittenRecord::NAME]);
         let outputs: Vec<PathBuf> = own.map(|name| path.join(name)).collect();
         let scratch = [Self::STATE, Self::LOCK].map(|name| path.join(name));
         let is_own = |file: &Path| scratch.iter().any(|own| own == file) || owns(&earlier, path, file);
-        let may_replace = |place: &Place| force || is_own(place.path());
+        let may_replace = |place: &Destination| force || is_own(place.path());
         let all: Vec<&Path> = outputs.iter().chain(&scratch).map(PathBuf::as_path).collect();
         make_folder(path)?;
         scratch.iter().try_for_each(|path| expect_scratch(path))?;
@@ -61,15 +61,16 @@ impl ReportFolder {
         &self.path
     }
 
-    /// Writes all files or none, and removes what an earlier report wrote here that this one does not and nobody changed. Files of
-    /// an earlier report that stay are named: those that were changed, and those of a name `is_of_report` that no record has.
+    /// Writes all files or none, and removes what an earlier report wrote here that this one does not and nobody
+    /// changed. Files of an earlier report that stay are named: those that were changed, and those of a name
+    /// `is_of_report` that no record has.
     pub fn write(&self, files: &[NamedFile], is_of_report: impl Fn(&str) -> bool) -> Result<Written, OutputError> {
         // Read again, now under the lock: the run that had it before may have ended since.
-        let earlier = Record::read(&self.path);
-        let record = Record::of(files.iter().map(|file| (file.name.as_str(), file.bytes.as_slice())));
-        let places: Vec<Place> = files
+        let earlier = WrittenRecord::read(&self.path);
+        let record = WrittenRecord::of(files.iter().map(|file| (file.name.as_str(), file.bytes.as_slice())));
+        let places: Vec<Destination> = files
             .iter()
-            .map(|file| Place::find(&self.path.join(&file.name)))
+            .map(|file| Destination::find(&self.path.join(&file.name)))
             .collect::<Result<_, _>>()?;
         for place in &places {
             // A file that came while the run was on its way, or one that was not foreseen.
@@ -79,10 +80,10 @@ impl ReportFolder {
                 });
             }
         }
-        let record_at = Place::find(&self.path.join(Record::NAME))?;
+        let record_at = Destination::find(&self.path.join(WrittenRecord::NAME))?;
         // Should a kill come between two files, both the old and the new ones are known.
         let both = earlier.and(&record).bytes();
-        let mut set: Vec<(&Place, &[u8])> = vec![(&record_at, &both)];
+        let mut set: Vec<(&Destination, &[u8])> = vec![(&record_at, &both)];
         set.extend(
             places
                 .iter()
@@ -92,7 +93,7 @@ impl ReportFolder {
         write_all(&set)?;
         let removed = record.remove_others(&earlier, &self.path)?;
         write_all(&[(&record_at, &record.bytes())])?;
-        let names = || record.names().chain([Record::NAME, Self::STATE, Self::LOCK]);
+        let names = || record.names().chain([WrittenRecord::NAME, Self::STATE, Self::LOCK]);
         let there = std::fs::read_dir(&self.path).into_iter().flatten().flatten();
         let mut left: Vec<String> = there
             .filter_map(|entry| entry.file_name().into_string().ok())
@@ -104,7 +105,7 @@ impl ReportFolder {
     }
 }
 
-fn owns(record: &Record, folder: &Path, path: &Path) -> bool {
+fn owns(record: &WrittenRecord, folder: &Path, path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str());
     name.is_some_and(|name| record.owns(folder, name))
 }

@@ -1,20 +1,21 @@
 use super::OutputError;
 use super::error::not_writable;
 use super::file::{remove, remove_leftovers};
-use super::place::Identity;
+use super::place::FileIdentity;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// Keeps a second run out while it lives. The system releases it when the process ends in whatever way, so a kill leaves at most an
-/// empty file, which the next run takes over.
+/// Keeps a second run out while it lives. The system releases it when the process ends in whatever way, so a kill
+/// leaves at most an empty file, which the next run takes over.
 #[derive(Debug)]
 pub struct Lock {
     path: PathBuf,
     _file: File,
 }
 
-/// Refuses what stands in the place of a lock or of a state and is none: a lock is empty, a state says so in its first bytes.
+/// Refuses what stands in the place of a lock or of a state and is none: a lock is empty, a state says so in its first
+/// bytes.
 pub fn expect_scratch(path: &Path) -> Result<(), OutputError> {
     let mut head = Vec::new();
     let read = |file: File| file.take(STATE_BEGINS.len() as u64).read_to_end(&mut head);
@@ -29,8 +30,8 @@ pub fn expect_scratch(path: &Path) -> Result<(), OutputError> {
 const STATE_BEGINS: &[u8] = b"specval-state ";
 
 impl Lock {
-    /// Takes the lock in this file, and removes what killed runs left of the `owned` ones half-written. A file system that knows no
-    /// locks grants it to everyone.
+    /// Takes the lock in this file, and removes what killed runs left of the `owned` ones half-written. A file system
+    /// that knows no locks grants it to everyone.
     ///
     /// # Errors
     /// Another run has it.
@@ -46,7 +47,7 @@ impl Lock {
             }
             // A run that ended meanwhile has removed the file that was opened.
             let there = file.metadata().map_err(not_writable(path))?;
-            if Identity::of(path).is(&Identity::of_open(&there)) || cfg!(not(unix)) {
+            if FileIdentity::of(path).is(&FileIdentity::of_open(&there)) || cfg!(not(unix)) {
                 break Self {
                     path: path.to_owned(),
                     _file: file,

@@ -3,10 +3,10 @@
 //! - `-` is stdout. A device, or a pipe with a name, is written to and never replaced; a block device is refused.
 //! - A link is followed: the file it leads to is replaced, the link stays.
 //! - A file is written whole or not at all, and so is a set of files ([`write_all`]).
-//! - An output that is an input of the run is refused before any work, by whatever links, and so are two outputs that are one file
-//!   ([`prepare`]).
-//! - A file that exists is refused before any work, unless the user says so with `--force`. A report replaces, and removes, without
-//!   it what an earlier report wrote there and nobody changed since ([`ReportFolder`]).
+//! - An output that is an input of the run is refused before any work, by whatever links, and so are two outputs that
+//!   are one file ([`prepare`]).
+//! - A file that exists is refused before any work, unless the user says so with `--force`. A report replaces, and
+//!   removes, without it what an earlier report wrote there and nobody changed since ([`ReportFolder`]).
 //! - Two runs never share a folder or a state ([`Lock`]).
 
 mod error;
@@ -20,4 +20,4 @@ pub use error::OutputError;
 pub use file::{Output, make_folder, prepare, remove, write_all, write_whole};
 pub use folder::{NamedFile, ReportFolder, Written};
 pub use lock::{Lock, expect_scratch};
-pub use place::{Place, beside};
+pub use place::{Destination, beside};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// Where an output goes, every link followed.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct Destination {
     typed: PathBuf,
     pub(super) target: Target,
 }
@@ -23,7 +23,7 @@ pub(super) enum Target {
 /// Links that lead from one to the next, as many as Linux follows.
 const MOST_LINKS: usize = 40;
 
-impl Place {
+impl Destination {
     /// # Errors
     /// A folder, a block device or a socket; a path that leads through a file.
     pub fn find(path: &Path) -> Result<Self, OutputError> {
@@ -56,14 +56,14 @@ impl Place {
     }
 
     /// What tells whether another path leads to the same file.
-    pub(super) fn identity(&self) -> Identity {
+    pub(super) fn identity(&self) -> FileIdentity {
         match &self.target {
-            Target::Stdout => Identity {
+            Target::Stdout => FileIdentity {
                 path: None,
                 inode: stdout().filter(Metadata::is_file).and_then(|there| inode(&there)),
             },
-            Target::Stream => Identity::of(&self.typed),
-            Target::File(file) => Identity::of(file),
+            Target::Stream => FileIdentity::of(&self.typed),
+            Target::File(file) => FileIdentity::of(file),
         }
     }
 }
@@ -83,6 +83,14 @@ fn target(path: &Path) -> Result<Target, OutputError> {
         path: path.to_owned(),
         found,
     };
+    let ends_in_slash = path
+        .as_os_str()
+        .as_encoded_bytes()
+        .last()
+        .is_some_and(|byte| std::path::is_separator(char::from(*byte)));
+    if ends_in_slash && !path.is_dir() {
+        return Err(OutputError::FolderName { path: path.to_owned() });
+    }
     let there = match fs::metadata(path) {
         Ok(there) => there,
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => {
@@ -120,13 +128,13 @@ fn behind_links(path: &Path) -> PathBuf {
 
 /// What makes two paths one file.
 #[derive(Debug)]
-pub(super) struct Identity {
+pub(super) struct FileIdentity {
     path: Option<PathBuf>,
     /// Device and inode, which hard links share.
     inode: Option<(u64, u64)>,
 }
 
-impl Identity {
+impl FileIdentity {
     pub(super) fn of(path: &Path) -> Self {
         let end = behind_links(path);
         let folder = match end.parent() {

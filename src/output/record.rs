@@ -6,10 +6,10 @@ use std::path::Path;
 
 /// Which files of a folder a report wrote, and their digests: known again by both, a file is this program's own.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Record(Vec<Entry>);
+pub(super) struct WrittenRecord(Vec<RecordEntry>);
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Entry {
+struct RecordEntry {
     /// SHA-256, lower-case hexadecimal.
     sha256: String,
     name: String,
@@ -19,7 +19,7 @@ struct Entry {
 const HEAD: &str =
     "# files of a specval report; a later report into this folder replaces or removes those that are unchanged";
 
-impl Record {
+impl WrittenRecord {
     pub(super) const NAME: &str = "report.sha256";
 
     /// The record of a folder, empty where there is none. A file of that name with another first line is no record.
@@ -35,7 +35,7 @@ impl Record {
             let (sha256, name) = line.split_once("  ")?;
             // A name, and no path to somewhere else.
             let plain = Path::new(name).file_name().is_some_and(|own| own == name);
-            plain.then(|| Entry {
+            plain.then(|| RecordEntry {
                 sha256: sha256.to_owned(),
                 name: name.to_owned(),
             })
@@ -44,7 +44,7 @@ impl Record {
     }
 
     pub(super) fn of<'a>(files: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> Self {
-        let entry = |(name, bytes): (&str, &[u8])| Entry {
+        let entry = |(name, bytes): (&str, &[u8])| RecordEntry {
             sha256: digest(bytes),
             name: name.to_owned(),
         };
@@ -76,13 +76,14 @@ impl Record {
 
     pub(super) fn bytes(&self) -> Vec<u8> {
         let mut text = format!("{HEAD}\n");
-        for Entry { sha256, name } in &self.0 {
+        for RecordEntry { sha256, name } in &self.0 {
             text += &format!("{sha256}  {name}\n");
         }
         text.into_bytes()
     }
 
-    /// Removes the files of an earlier record that are unchanged and of which this one says nothing; returns their names.
+    /// Removes the files of an earlier record that are unchanged and of which this one says nothing; returns their
+    /// names.
     pub(super) fn remove_others(&self, earlier: &Self, folder: &Path) -> Result<Vec<String>, OutputError> {
         let mut removed = Vec::new();
         for name in earlier.names() {

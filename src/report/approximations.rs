@@ -18,8 +18,8 @@ pub struct ApproximationRow {
     #[serde(deserialize_with = "nan_from_null")]
     pub theta_i_deg: f64,
     pub channel: Channel,
-    /// `classical`, `direct` (f* in the sun alone), `all-bounces` (f* from yarn to yarn), `volumetric`, or `measured` where the sample has
-    /// a reading at every view.
+    /// `classical`, `direct` (f* in the sun alone), `all-bounces` (f* from yarn to yarn), `volumetric`, or `measured`
+    /// where the sample has a reading at every view.
     pub source: Cow<'static, str>,
     /// Not normalised.
     #[serde(deserialize_with = "nan_from_null")]
@@ -37,8 +37,8 @@ pub struct ApproximationRow {
 pub struct LocalityRow {
     #[serde(deserialize_with = "nan_from_null")]
     pub wavelength_nm: f64,
-    /// Fractions of the scattered light that leave farther away than half the distance of neighbouring crossings, than all of it,
-    /// and than 8 yarn radii.
+    /// Fractions of the scattered light that leave farther away than half the distance of neighbouring crossings, than
+    /// all of it, and than 8 yarn radii.
     #[serde(deserialize_with = "nan_from_null")]
     pub beyond_half_spacing: f64,
     #[serde(deserialize_with = "nan_from_null")]

@@ -1,5 +1,5 @@
-use super::{Convention, EffortNote, InputDigest, Provenance, ReadingCount, ReportData, ReportError, SampleNote};
-use crate::compare::{Estimate, HueComparison, Peak, Rmse, RmseRatio, SourceId, Table1Row};
+use super::{ConventionRatios, EffortNote, InputDigest, Provenance, ReadingCount, ReportData, ReportError, SampleNote};
+use crate::compare::{HueComparison, Peak, PropagatedEstimate, Rmse, RmseRatio, SourceId, Table1Row};
 use serde::{Serialize, Serializer};
 
 /// `report.json`: metrics and provenance. Curves and energy have tables of their own.
@@ -8,7 +8,7 @@ struct Document<'a> {
     wavelengths_nm: &'a [f64],
     colour_convention: &'a str,
     table1: &'a [Table1Row],
-    conventions: &'a [Convention],
+    conventions: &'a [ConventionRatios],
     normalisation: Option<Factors<'a>>,
     /// To the samples after the first, by sample.
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_map")]
@@ -21,12 +21,12 @@ struct Document<'a> {
     more_samples: &'a [SampleNote],
     readings: &'a ReadingCount,
     hue: &'a Option<HueComparison>,
-    provenance: Origin<'a>,
+    provenance: ReportOrigin<'a>,
 }
 
 /// Coefficients to one sample, by source.
 #[derive(Serialize)]
-struct Factors<'a>(#[serde(serialize_with = "as_map")] Vec<(&'a SourceId, &'a Estimate)>);
+struct Factors<'a>(#[serde(serialize_with = "as_map")] Vec<(&'a SourceId, &'a PropagatedEstimate)>);
 
 fn as_map<S: Serializer, T: Serialize>(entries: &[(&SourceId, T)], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(entries.iter().map(|(id, value)| (id, value)))
@@ -48,7 +48,7 @@ impl<'a> Factors<'a> {
 
 /// [`Provenance`] with its fallbacks and notices as sentences.
 #[derive(Serialize)]
-struct Origin<'a> {
+struct ReportOrigin<'a> {
     version: &'a str,
     command: &'a [String],
     study: &'a serde_json::Value,
@@ -59,7 +59,7 @@ struct Origin<'a> {
     notices: Vec<String>,
 }
 
-impl<'a> Origin<'a> {
+impl<'a> ReportOrigin<'a> {
     fn of(provenance: &'a Provenance) -> Self {
         Self {
             version: &provenance.version,
@@ -95,7 +95,7 @@ pub fn report_json(data: &ReportData) -> Result<String, ReportError> {
         more_samples,
         readings: &data.readings,
         hue: &data.hue,
-        provenance: Origin::of(&data.provenance),
+        provenance: ReportOrigin::of(&data.provenance),
     };
     Ok(serde_json::to_string_pretty(&document)? + "\n")
 }

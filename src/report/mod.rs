@@ -1,7 +1,7 @@
 //! The result of a study and its report: graphs, tables and documents are pure functions of one [`ReportData`].
 //!
-//! [`render`] turns a result into named files in memory; a [`crate::output::ReportFolder`] is prepared before a simulation starts
-//! and takes those files whole or not at all. Same data, same bytes.
+//! [`render`] turns a result into named files in memory; a [`crate::output::ReportFolder`] is prepared before a
+//! simulation starts and takes those files whole or not at all. Same data, same bytes.
 
 mod approximations;
 mod charts;
@@ -25,7 +25,7 @@ pub use ledger::{LedgerRange, ledger_notice, ledger_ranges, ledger_table};
 pub use notice::{Fallback, GrazingGain, LongPaths, Notice, RatioOf, TableRatio};
 pub use render::{file_names, is_of_report, render};
 pub use result::{
-    AskedEffort, Convention, EffortNote, InputDigest, PathsPerBatch, Provenance, ReachedPrecision, ReadingCount,
+    AskedEffort, ConventionRatios, EffortNote, InputDigest, PathsPerBatch, Provenance, ReachedPrecision, ReadingCount,
     ReportData, SampleNote,
 };
 pub use result_file::{RESULT, read_result, result_json, result_path};

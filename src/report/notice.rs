@@ -1,7 +1,7 @@
 //! Notices and fallbacks of a result. The result holds them as data; their wording is here alone.
 
 use crate::compare::Geometry;
-use crate::number::{nan_from_null, shown, time_in_words};
+use crate::number::{nan_from_null, shown, significant, time_in_words};
 use crate::sample::SampleNotice;
 use crate::spectrum::Doubt;
 use crate::study::OldKey;
@@ -64,6 +64,11 @@ pub enum Notice {
     /// A diameter in the section of the study, nm, that looks like micrometres.
     ParticleDiameter {
         section: String,
+        doubt: Doubt,
+    },
+    /// Angles of a key of the study that look like radians.
+    StudyAngles {
+        key: String,
         doubt: Doubt,
     },
     LongPaths {
@@ -203,6 +208,7 @@ impl Display for Notice {
             }
             Self::OldKey { key } => key.fmt(f),
             Self::ParticleDiameter { section, doubt } => write!(f, "`{section}.particle_diameter_nm`: {doubt}"),
+            Self::StudyAngles { key, doubt } => write!(f, "`{key}`: {doubt}"),
             Self::LongPaths { paths } => paths.fmt(f),
             Self::LongRun {
                 seconds,
@@ -280,8 +286,10 @@ impl Display for Notice {
                 };
                 write!(
                     f,
-                    "red of {whose}, {red:.2e} with standard error {red_se:.1e}, is as good as 0 beside its other components: no \
-                     ratio to it is shown"
+                    "red of {whose}, {} with standard error {}, is as good as 0 beside its other components: no ratio to it is \
+                     shown",
+                    significant(*red, 3),
+                    significant(*red_se, 2)
                 )
             }
             Self::MediaWithoutRatio { without, media } => write!(

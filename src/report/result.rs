@@ -5,7 +5,7 @@ use crate::compare::{
     Coefficient, CurvePoint, Geometry, HueComparison, Peak, Rmse, RmseRatio, Role, Source, SourceId, Table1Row,
     first_sample, is_first_sample,
 };
-use crate::sample::{Kind, Sample, Uncertainty};
+use crate::sample::{Sample, SampleKind, Uncertainty};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -21,7 +21,7 @@ pub struct ReportData {
     pub curves: Vec<CurvePoint>,
     pub table1: Vec<Table1Row>,
     /// The same ratios under every other convention.
-    pub conventions: Vec<Convention>,
+    pub conventions: Vec<ConventionRatios>,
     pub energy: Vec<EnergyRow>,
     /// None without a measured sample, and then nothing is normalised. Curves have the first sample's.
     pub normalisation: Vec<Coefficient>,
@@ -55,14 +55,14 @@ impl ReportData {
 
 /// Table 1 under one colour convention.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Convention {
+pub struct ConventionRatios {
     /// Observer, illuminant, RGB space, adaptation.
     pub convention: String,
     pub rows: Vec<Table1Row>,
 }
 
-/// What became of the readings of a sample: every one is used, interpolated, outside the plane of incidence, outside the rig, or
-/// without a value of the model.
+/// What became of the readings of a sample: every one is used, interpolated, outside the plane of incidence, outside
+/// the rig, or without a value of the model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ReadingCount {
     pub total: usize,
@@ -79,7 +79,8 @@ pub struct ReadingCount {
     pub no_model_value: usize,
     /// Readings that were combined with others of the same geometry before they were counted.
     pub combined: usize,
-    /// Readings whose angles, as an encoder read them, were taken as the nominal ones, and the largest difference in degrees.
+    /// Readings whose angles, as an encoder read them, were taken as the nominal ones, and the largest difference in
+    /// degrees.
     pub moved: usize,
     pub largest_move_deg: f64,
     /// So far a reading may lie from the geometry it is compared at.
@@ -116,9 +117,9 @@ impl SampleNote {
     pub fn of(id: SourceId, sample: &Sample) -> Self {
         let of = sample.description();
         let kind = match of.kind {
-            Some(Kind::Measured) => "measured",
-            Some(Kind::Fit) => "fit of a measurement",
-            Some(Kind::Synthetic) => "synthetic",
+            Some(SampleKind::Measured) => "measured",
+            Some(SampleKind::Fit) => "fit of a measurement",
+            Some(SampleKind::Synthetic) => "synthetic",
             None => "not stated",
         };
         let uncertainty = match sample.uncertainty() {
@@ -182,8 +183,8 @@ pub struct EffortNote {
     /// Batches made, all of the same size.
     pub batches: usize,
     pub paths_per_batch: PathsPerBatch,
-    /// "paths", "precision" or "time"; "nothing hit" where a precision was asked for and all that it is of is 0 in every batch,
-    /// "precision out of reach" where it would take more batches than a run may make.
+    /// "paths", "precision" or "time"; "nothing hit" where a precision was asked for and all that it is of is 0 in
+    /// every batch, "precision out of reach" where it would take more batches than a run may make.
     pub stopped_by: Cow<'static, str>,
     pub asked: AskedEffort,
     pub reached: Option<ReachedPrecision>,
@@ -212,8 +213,8 @@ pub struct AskedEffort {
 pub struct ReachedPrecision {
     /// "rel" if it is over its value, "abs" if not.
     pub tolerance: Cow<'static, str>,
-    /// "curves", the luminance of the model's points, "ratios", its row of Table 1, or "scattered", that fraction of the
-    /// ledger.
+    /// "curves", the luminance of the model's points, "ratios", its row of Table 1, or "scattered", that fraction of
+    /// the ledger.
     pub of: Cow<'static, str>,
     /// `None` where it is not known: some of it is 0 in every batch, or a ratio of such.
     pub largest_error: Option<f64>,

@@ -33,7 +33,8 @@ struct Body {
     result: ReportData,
 }
 
-/// `result.json`: all of the result on one line. Numbers are the shortest that read back exactly; one that is not known is null.
+/// `result.json`: all of the result on one line. Numbers are the shortest that read back exactly; one that is not known
+/// is null.
 pub fn result_json(data: &ReportData) -> Result<Vec<u8>, ReportError> {
     let mut bytes = serde_json::to_vec(&Written {
         format: FORMAT,

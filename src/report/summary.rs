@@ -1,10 +1,10 @@
 use super::tables::{channel_name, elsewhere, place, rounded, with_error, words_of};
-use super::{EffortNote, ReportData, ledger_table};
+use super::{EffortNote, Notice, ReportData, ledger_table};
 use crate::compare::{Channel, Rmse, RmseRatio, Role, Source, SourceId, Table1Name, Verdict};
 use std::fmt::Write;
 
-/// The summary that `report` prints: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every notice and
-/// fallback.
+/// The summary that `report` prints: Table 1, normalisation, RMSE with verdicts, the energy ledger, and every notice
+/// and fallback.
 pub fn summary(data: &ReportData) -> String {
     let mut text = String::new();
     table1(&mut text, data);
@@ -201,6 +201,7 @@ fn errors(text: &mut String, data: &ReportData, [model, classical, sample]: [&So
         let metrics = data.rmse.iter();
         metrics.filter(move |metric| metric.source == source && metric.sample == *sample)
     };
+    let black = data.provenance.notices.contains(&Notice::NoModelLight);
     for metric in of(&model.id) {
         let here = |theta_i_deg: f64, channel: Channel| theta_i_deg == metric.theta_i_deg && channel == metric.channel;
         let beside = of(&classical.id).find(|metric| here(metric.theta_i_deg, metric.channel));
@@ -216,14 +217,20 @@ fn errors(text: &mut String, data: &ReportData, [model, classical, sample]: [&So
             channel_name(metric.channel),
             error(metric),
             beside.map_or_else(|| "–".to_owned(), error),
-            ratio.map(verdict).unwrap_or_default()
+            ratio.map(|ratio| verdict(ratio, black)).unwrap_or_default()
         );
     }
 }
 
-fn verdict(ratio: &RmseRatio) -> String {
+/// `black` is a model without light.
+fn verdict(ratio: &RmseRatio, black: bool) -> String {
     if ratio.too_few_paths {
-        return "withheld: too few paths".to_owned();
+        return if black {
+            "withheld: no light of the model"
+        } else {
+            "withheld: too few paths"
+        }
+        .to_owned();
     }
     let words = match ratio.verdict {
         Verdict::Better => "better",

@@ -205,7 +205,8 @@ pub(super) fn words_of(at: &Geometry) -> String {
     }
 }
 
-/// A value and its standard error to the two leading digits of the error: 0.931 ± 0.012. A dash stands for what is not known.
+/// A value and its standard error to the two leading digits of the error: 0.931 ± 0.012. A dash stands for what is not
+/// known.
 pub(super) fn with_error(value: f64, se: f64) -> String {
     let Some(se) = known_error(value, se) else {
         return format!("{} ± –", rounded(value));

@@ -6,13 +6,13 @@ use crate::report::{ApproximationRow, Approximations, LocalityRow};
 use crate::rig::Geometry;
 use crate::sample::Reading;
 use crate::shading::{Basis, DEFAULT_MODELS, classical_model};
-use crate::study::{Bounces, MethodChoice, Study, StudyError};
+use crate::study::{BounceLimit, MethodChoice, Study, StudyError};
 use crate::transport::Estimate;
 use crate::yarn::{Yarn, scattered_beyond};
 use std::iter::zip;
 
 /// The study with this method and these bounces.
-fn variant(study: &Study, method: MethodChoice, bounces: Bounces) -> Study {
+fn variant(study: &Study, method: MethodChoice, bounces: BounceLimit) -> Study {
     let mut study = study.clone();
     study.cloth.method = method;
     study.cloth.bounces = bounces;
@@ -20,10 +20,10 @@ fn variant(study: &Study, method: MethodChoice, bounces: Bounces) -> Study {
 }
 
 /// The methods that are compared.
-const VARIANTS: [(MethodChoice, Bounces); 3] = [
-    (MethodChoice::Volumetric, Bounces::ALL),
-    (MethodChoice::RadianceFactor, Bounces::Most(0)),
-    (MethodChoice::RadianceFactor, Bounces::ALL),
+const VARIANTS: [(MethodChoice, BounceLimit); 3] = [
+    (MethodChoice::Volumetric, BounceLimit::ALL),
+    (MethodChoice::RadianceFactor, BounceLimit::Most(0)),
+    (MethodChoice::RadianceFactor, BounceLimit::ALL),
 ];
 
 /// [`check_memory`] of what [`approximations`] simulates.
@@ -42,7 +42,7 @@ pub fn approximations(plan: &Plan, progress: Progress) -> Result<Approximations,
     let geometries = report_geometries(plan);
     let of = |geometry: usize| geometries[geometry].theta_i_deg;
     let simulated = |method, bounces| -> Result<Vec<Vec<Channels>>, RunError> {
-        let plan = Plan::new(variant(&plan.study, method, bounces))?;
+        let plan = Plan::with_sample(variant(&plan.study, method, bounces), plan.chosen)?;
         let simulator = Simulator::new(&plan, geometries.clone())?;
         let mut diffuse = Vec::new();
         for batch in 0..plan.direct_effort.batches {

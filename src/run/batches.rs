@@ -19,7 +19,8 @@ pub trait Gather: Sync {
     /// Takes in the next one.
     fn accept(&mut self, batch: Self::Batch);
 
-    /// Largest of the standard errors that the stop rule watches, in the rule's measure; `None` where nothing is watched.
+    /// Largest of the standard errors that the stop rule watches, in the rule's measure; `None` where nothing is
+    /// watched.
     fn largest_error(&self) -> Option<f64>;
 
     /// Puts all that is gathered where a later run can go on from it.
@@ -51,7 +52,8 @@ pub struct Outcome {
 /// Saving takes at most about one part of this many of the time.
 const SAVING_SHARE: u32 = 20;
 
-/// Makes batches in rounds until the rule says stop. Those of a round behind the batch that satisfied it are thrown away.
+/// Makes batches in rounds until the rule says stop. Those of a round behind the batch that satisfied it are thrown
+/// away.
 pub fn gather<G: Gather>(gathered: &mut G, schedule: &Schedule) -> Result<Outcome, G::Error> {
     let Schedule {
         rule, clock, progress, ..

@@ -63,7 +63,7 @@ pub(super) fn at_key(study: &Study, spec: &ClothSpec, error: &ClothError) -> Opt
                 Some(amplitude_mm) => value(
                     "cloth.sinusoid_amplitude_mm",
                     expected("an amplitude"),
-                    format!("{} mm, where {error}", shown(amplitude_mm)),
+                    format!("{} mm, where {}", shown(amplitude_mm), error.fault()),
                     "leave it out to have the smallest that is possible, or increase `cloth.spacing_diameters`".into(),
                 ),
                 None => {
@@ -71,7 +71,7 @@ pub(super) fn at_key(study: &Study, spec: &ClothSpec, error: &ClothError) -> Opt
                     value(
                         key,
                         expected("a spacing"),
-                        format!("{}, where {error}", shown(spacing)),
+                        format!("{}, where {}", shown(spacing), error.fault()),
                         format!("increase it{vary}"),
                     )
                 }
@@ -110,7 +110,7 @@ pub(super) fn of_weave(study: &Study, error: &ClothError) -> StudyError {
         place: study.origin.place(key),
         key: key.into(),
         expected: "a weave in which every yarn changes sides".into(),
-        found: format!("{}, of which {error}", study.cloth.weave),
+        found: format!("{}, of which {}", study.cloth.weave, error.fault()),
         remedy: "print it with `specval weave`, and change the draft".into(),
     }
 }

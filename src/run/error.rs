@@ -10,7 +10,7 @@ use crate::rig::RigError;
 use crate::sample::SampleError;
 use crate::shading::ShadingError;
 use crate::spectrum::SpectrumError;
-use crate::study::{Origin, Place, Study, StudyError};
+use crate::study::{FileLine, Origin, Study, StudyError};
 use crate::weave::WeaveError;
 use crate::yarn::YarnError;
 use std::path::PathBuf;
@@ -20,12 +20,24 @@ use std::path::PathBuf;
 pub enum RunError {
     #[error(transparent)]
     Study(#[from] StudyError),
-    #[error("`{section}.dye`: {source}; nor is there a file of that name in the study's folder")]
+    #[error(
+        "`{section}.dye`: {source}; nor is there a file of that name in the study's folder: take one of these names, or the path of \
+         a table wavelength_nm,value"
+    )]
     Dye {
         section: &'static str,
         source: SpectrumError,
     },
-    /// A table that stands for the dye or a number of a medium: not there, no table of a spectrum, or not over the study's wavelengths.
+    /// A dye without values at the study's wavelengths.
+    #[error(
+        "`{section}.dye`: {source}, or set `{section}.kappa_peak` to 0, which needs no dye, and absorb by `{section}.host_mu_a_per_mm`"
+    )]
+    DyeRange {
+        section: &'static str,
+        source: SpectrumError,
+    },
+    /// A table that stands for the dye or a number of a medium: not there, no table of a spectrum, or not over the
+    /// study's wavelengths.
     #[error("`{section}.{key}`: {source}")]
     Table {
         section: &'static str,
@@ -38,7 +50,10 @@ pub enum RunError {
     Backing { source: SpectrumError },
     /// What is wrong with the value of a key, and where the key stands.
     #[error("{place}: {source}")]
-    At { place: Box<Place>, source: Box<RunError> },
+    At {
+        place: Box<FileLine>,
+        source: Box<RunError>,
+    },
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
     /// A medium that its keys do not make; `key` is the one that the error is of.
@@ -58,6 +73,14 @@ pub enum RunError {
     Rig(#[from] RigError),
     #[error(transparent)]
     Colour(#[from] ColourError),
+    /// Wavelengths of the study that carry no colour.
+    #[error(
+        "`spectrum.{key}`: {source}; `specval measure`, and `specval bsdf` to ssdd or csv, write spectra and need no colour"
+    )]
+    Wavelengths {
+        key: &'static str,
+        source: Box<ColourError>,
+    },
     #[error("`cloth.weave`: {0}")]
     Weave(#[from] WeaveError),
     #[error("`measured.sample`: {0}")]
@@ -113,9 +136,10 @@ impl RunError {
     /// With the place of the key that the error is of, if it has one there.
     pub(super) fn at(self, origin: &Origin) -> Self {
         let key = match &self {
-            Self::Dye { section, .. } => format!("{section}.dye"),
+            Self::Dye { section, .. } | Self::DyeRange { section, .. } => format!("{section}.dye"),
             Self::Table { section, key, .. } | Self::Medium { section, key, .. } => format!("{section}.{key}"),
             Self::Backing { .. } => "cloth.backing".into(),
+            Self::Wavelengths { key, .. } => format!("spectrum.{key}"),
             Self::Weave(_) => "cloth.weave".into(),
             Self::Sample(_) => "measured.sample".into(),
             Self::Colour(ColourError::File { kind, .. }) => format!("colour.{kind}"),

@@ -16,8 +16,8 @@ const PIXELS: usize = 6;
 /// In place of a view, apart from the other streams of cameras.
 const STREAM: usize = 1 << 40;
 
-/// Weights of f* in ∫ L cosθ_v dω / (E⊥ cosθ_i) over the views on one side of the cloth, `side` 1 that of the light, −1 the
-/// other. Of shading with f* alone: L = f* E⊥ V over camera rays.
+/// Weights of f* in ∫ L cosθ_v dω / (E⊥ cosθ_i) over the views on one side of the cloth, `side` 1 that of the light, −1
+/// the other. Of shading with f* alone: L = f* E⊥ V over camera rays.
 pub(crate) fn hemisphere(
     plan: &Plan,
     samples: &PixelSamples,
@@ -51,12 +51,13 @@ pub(crate) fn hemisphere(
     tally.drain(PI / (POLAR * AROUND * samples.count()) as f64 / theta_i_deg.to_radians().cos())
 }
 
-/// Fraction of the light at an incidence that shading with f* would reflect and transmit if the yarns were white and scattered
-/// with equal radiance in all directions: f* = cosψ/π², whose integral ∮∫ f* cosθ dω R dφ is the 2R cosψ that a yarn meets.
+/// Fraction of the light at an incidence that shading with f* would reflect and transmit if the yarns were white and
+/// scattered with equal radiance in all directions: f* = cosψ/π², whose integral ∮∫ f* cosθ dω R dφ is the 2R cosψ that
+/// a yarn meets.
 ///
-/// f* is the response of a yarn alone in the beam, applied wherever the point in view is not shadowed. At grazing incidence the yarns
-/// shadow each other in part, which f* does not contain: the fraction then exceeds 1. It depends on weave and incidence alone and
-/// has a standard error near 1 %.
+/// f* is the response of a yarn alone in the beam, applied wherever the point in view is not shadowed. At grazing
+/// incidence the yarns shadow each other in part, which f* does not contain: the fraction then exceeds 1. It depends on
+/// weave and incidence alone and has a standard error near 1 %.
 ///
 /// # Errors
 /// None for a study that a plan was made of.

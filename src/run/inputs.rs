@@ -5,8 +5,8 @@ use crate::spectrum::tables;
 use crate::study::{MediumSection, NumberOrTable, Study};
 use std::path::{Path, PathBuf};
 
-/// Every file that a run of this study reads, the study's own aside: what none of its outputs may be. Names of built-in tables
-/// and samples are no files; whether a file is there is not asked.
+/// Every file that a run of this study reads, the study's own aside: what none of its outputs may be. Names of built-in
+/// tables and samples are no files; whether a file is there is not asked.
 pub fn input_files(study: &Study) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for medium in [&study.medium, &study.weft.medium(&study.medium)] {

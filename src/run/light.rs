@@ -3,14 +3,15 @@ use crate::cloth::light::{Beam, Bounces, ClothBatch, Detector, Scene, Volumetric
 use crate::yarn::{DirectTracer, YarnSampler};
 use std::iter::zip;
 
-/// Light between the yarns of a study's cloth where they scatter by f*: up to `most` yarns after the first, `particles` of a beam
-/// in a batch.
+/// Light between the yarns of a study's cloth where they scatter by f*: up to `most` yarns after the first, `particles`
+/// of a beam in a batch.
 pub(super) fn bounces(plan: &Plan, most: usize, particles: usize) -> Bounces<'_> {
     let scene = plan.scene(plan.study.specular.surface.is_of_yarns(), true);
     Bounces::new(scene, most, particles, plan.pixels.count())
 }
 
-/// The woven cloth with light that goes from yarn to yarn by their f*, for light from anywhere: f* of every batch, traced once.
+/// The woven cloth with light that goes from yarn to yarn by their f*, for light from anywhere: f* of every batch,
+/// traced once.
 pub struct FactorCloth<'a> {
     scene: Scene<'a>,
     /// Of each batch, f* of [`Plan::different_yarns`].
@@ -43,7 +44,8 @@ impl<'a> FactorCloth<'a> {
         })
     }
 
-    /// One batch of a beam, of all wavelengths of the study. Of batches that were not traced there is no f* and no light.
+    /// One batch of a beam, of all wavelengths of the study. Of batches that were not traced there is no f* and no
+    /// light.
     pub fn batch<D: Detector>(&self, beam: &Beam, detector: &D, batch: usize) -> ClothBatch {
         let of_yarns = self.scatter.get(batch).map(Vec::as_slice).unwrap_or_default();
         let [Some(warp), Some(weft)] = [of_yarns.first(), of_yarns.last()] else {

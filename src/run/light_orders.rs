@@ -11,8 +11,8 @@ use crate::yarn::{DirectTracer, Effort, YarnResponse};
 const SHARE: u64 = 4;
 const BATCHES: usize = 8;
 
-/// Traces the ratios of the model with direct light alone, and with all light between the yarns. After `traced` batches, fewer than
-/// the study has, there are fewer paths here too.
+/// Traces the ratios of the model with direct light alone, and with all light between the yarns. After `traced`
+/// batches, fewer than the study has, there are fewer paths here too.
 ///
 /// # Errors
 /// None for a study that a plan was made of.

@@ -1,6 +1,7 @@
-//! Memory that a run takes, from its study alone: looked at before any work, so that a study too large for the machine is refused by
-//! the key that makes it so. It decides whether a run begins, and about no result.
+//! Memory that a run takes, from its study alone: looked at before any work, so that a study too large for the machine
+//! is refused by the key that makes it so. It decides whether a run begins, and about no result.
 
+use crate::number::{shown, to_two_digits};
 use crate::study::{MethodChoice, ShadeWith, Study, StudyError};
 use crate::yarn::LengthBins;
 
@@ -13,8 +14,8 @@ pub enum Stage {
     Yarn,
     /// Laws as gates: `check`.
     Check,
-    /// The whole BSDF of the cloth: `bsdf`, of so many incidences that are traced, each caught in so many bins; by f*, whose
-    /// tables of all batches are then held, or through the media.
+    /// The whole BSDF of the cloth: `bsdf`, of so many incidences that are traced, each caught in so many bins; by f*,
+    /// whose tables of all batches are then held, or through the media.
     Full {
         incidences: usize,
         bins: usize,
@@ -28,15 +29,18 @@ pub const BATCHES_UNDER_WAY: usize = 4;
 /// Bytes that are taken for free where the system does not say.
 const UNKNOWN_FREE: f64 = 4e9;
 /// Bytes of program, cloth and built-in tables.
-const PROGRAM: f64 = 35e6;
-/// Bytes of a camera ray's end with its place among the exit directions, and of an end of a view's ray with its position.
+const PROGRAM: f64 = 28e6;
+/// Bytes of a camera ray's end with its place among the exit directions, and of an end of a view's ray with its
+/// position.
 const CAMERA_RAY: f64 = 320.0;
 const SIGHT: f64 = 170.0;
 /// Rays of a view where light goes from yarn to yarn, at most.
 const SIGHTS: f64 = 4096.0;
 /// Cells of f* that a camera ray weighs, and bytes of each.
-const CELLS_OF_RAY: f64 = 11.0;
+const CELLS_OF_RAY: f64 = 10.0;
 const WEIGHT: f64 = 12.0;
+/// Bytes of a cell of f* of one wavelength, and of its weight.
+const WHITE: f64 = 16.2;
 /// Of a table of f*, what scattering by it from yarn to yarn takes besides.
 const SCATTER: f64 = 0.5;
 /// Bytes of a row of the energy ledger with its texts.
@@ -191,8 +195,8 @@ pub fn bytes(study: &Study, stage: Stage, threads: usize) -> f64 {
         Stage::Check => PROGRAM + of_patch,
         Stage::Yarn => {
             let lengths = LengthBins::DEFAULT as f64 * wavelengths * cells;
-            // Single precision of a batch, sums and squares; both estimates of f*; amounts and moments of the lengths, of the tilts one by
-            // one and together, and their sums.
+            // Single precision of a batch, sums and squares; both estimates of f*; amounts and moments of the lengths,
+            // of the tilts one by one and together, and their sums.
             PROGRAM + of_patch + 20.0 * bssrdf + 8.0 * table + 28.0 * lengths + ledgers
         }
         Stage::Full {
@@ -228,10 +232,12 @@ pub fn bytes(study: &Study, stage: Stage, threads: usize) -> f64 {
             let rays = threads * pixels * CAMERA_RAY;
             // Table 1 has rows of light between the yarns, of one batch at a time at one geometry.
             let at_normal = direct + camera(1.0) + between(1.0) + rays;
+            // The search for gains at grazing incidence, before the batches: a white f* and its weights on each thread.
+            let grazing = threads.min(incidences) * WHITE * cells;
             let under_way = threads.min(BATCHES_UNDER_WAY as f64);
             let kept = n(trace.batches) * views * incidences * wavelengths * 24.0;
             let rows = n(trace.zenith_cells) * n(trace.azimuth_cells) * wavelengths * ENERGY_ROW;
-            PROGRAM + at_normal.max(under_way * simulated + rays) + kept + ledgers + rows
+            PROGRAM + at_normal.max(grazing).max(under_way * simulated + rays) + kept + ledgers + rows
         }
     }
 }
@@ -248,6 +254,7 @@ fn free_bytes() -> f64 {
 
 fn in_bytes(bytes: f64) -> String {
     match bytes {
+        _ if bytes >= 1e12 => format!("{} TB", shown(to_two_digits(bytes * 1e-12))),
         _ if bytes >= 1e9 => format!("{:.1} GB", bytes * 1e-9),
         _ => format!("{:.0} MB", bytes * 1e-6),
     }

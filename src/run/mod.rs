@@ -54,7 +54,7 @@ pub use plan::{Plan, medium};
 pub(crate) use plan::{dye_on, medium_spec};
 pub use progress::Progress;
 pub use reabsorb::reabsorb;
-pub use reabsorbed::{Notice, NoticeKind, Reabsorbed};
+pub use reabsorbed::{NoticeKind, Reabsorbed, ReabsorptionNotice};
 pub use readings::report_geometries;
 pub use report::{Request, report};
 pub use shard::{Shard, ShardError};

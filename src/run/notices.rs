@@ -2,6 +2,7 @@
 
 use super::readings::first_incidences;
 use super::{Plan, RunError, Stage};
+use crate::colour::ColourError;
 use crate::compare::{ColourRatios, Comparison, HueComparison};
 use crate::report::{Fallback, Notice};
 use crate::rig::Geometry;
@@ -28,12 +29,28 @@ impl Plan {
         Ok(notices)
     }
 
+    /// Refuses wavelengths that carry no colour.
+    ///
+    /// # Errors
+    /// The key that sets them, and what needs no colour.
+    pub fn require_colour(&self) -> Result<(), RunError> {
+        let refuse = |source: ColourError| {
+            let source = Box::new(source);
+            let key = match self.study.spectrum.wavelengths_nm {
+                Some(_) => "wavelengths_nm",
+                None => "wavelength_step_nm",
+            };
+            RunError::Wavelengths { key, source }.at(&self.study.origin)
+        };
+        self.colour.require().map_err(refuse)
+    }
+
     /// What makes the colours of model and sample doubtful, for the user; what needs no colour needs none of it.
     ///
     /// # Errors
     /// Wavelengths of the study or of the sample that carry no colour.
     pub fn colour_notices(&self) -> Result<Vec<Notice>, RunError> {
-        self.colour.require()?;
+        self.require_colour()?;
         let mut notices = Vec::new();
         if let Some(why) = self.colour.doubt() {
             notices.push(Notice::ModelColours { why: why.into() });
@@ -61,6 +78,11 @@ pub fn study_notices(study: &Study) -> Vec<Notice> {
         })
     };
     notices.extend(media.into_iter().filter_map(doubtful));
+    let radians = plausibility::radians_for_degrees(study.rig.incidences_deg.iter().copied(), []);
+    notices.extend(radians.map(|doubt| Notice::StudyAngles {
+        key: "rig.incidences_deg".into(),
+        doubt,
+    }));
     notices
 }
 

@@ -8,7 +8,7 @@ use crate::report::InputDigest;
 use crate::rig::{BeamsOfRig, Direct, Geometry, PixelSamples, Rig};
 use crate::sample::{Chosen, Sample};
 use crate::shading::{Distribution, FibreGloss, ShadingError, Specular};
-use crate::spectrum::{Samples, Spectrum, WavelengthGrid, read_spectrum, tables};
+use crate::spectrum::{Samples, Spectrum, SpectrumError, WavelengthGrid, read_spectrum, tables};
 use crate::study::{
     CentreLineChoice, DistributionChoice, EstimatorChoice, InterferenceChoice, MediumSection, NumberOrTable,
     SpecularSection, Study, SurfaceChoice, TraceSection,
@@ -42,6 +42,8 @@ pub struct Plan {
     pub pixels: PixelSamples,
     pub colour: ColourSystem,
     pub sample: Sample,
+    /// Component of the sample that was asked for.
+    pub(super) chosen: Chosen,
     /// Digests of the tables and files that went in.
     pub inputs: Vec<InputDigest>,
 }
@@ -107,6 +109,7 @@ impl Plan {
             pixels: PixelSamples::new(pixels, pixels)?,
             colour: ColourSystem::new(&grid, convention)?,
             sample,
+            chosen,
             inputs,
             grid,
             study,
@@ -140,7 +143,8 @@ impl Plan {
         }
     }
 
-    /// What light meets. Whether what the yarns' surface reflects goes on, and whether the cloth lies on the study's backing.
+    /// What light meets. Whether what the yarns' surface reflects goes on, and whether the cloth lies on the study's
+    /// backing.
     pub fn scene(&self, surface_goes_on: bool, on_backing: bool) -> Scene<'_> {
         Scene {
             cloth: &self.cloth,
@@ -225,8 +229,8 @@ pub(super) fn bssrdf_surface(trace: &TraceSection) -> Result<SurfaceGrid, YarnEr
     )
 }
 
-/// The weft's yarn, if it is not the warp's. Tables of `[medium]` that it shares were read for the warp, so what is wrong here is
-/// a key of `[weft]`.
+/// The weft's yarn, if it is not the warp's. Tables of `[medium]` that it shares were read for the warp, so what is
+/// wrong here is a key of `[weft]`.
 fn weft(study: &Study, grid: &WavelengthGrid, inputs: &mut Vec<InputDigest>) -> Result<Option<Yarn>, RunError> {
     let medium = study.weft.medium(&study.medium);
     let radius_mm = study.weft.radius_mm.unwrap_or(study.yarn.radius_mm);
@@ -276,17 +280,11 @@ impl MediumSpectra {
     /// `section` is what errors call it.
     fn read(section: &'static str, of: &MediumSection, grid: &WavelengthGrid) -> Result<Self, RunError> {
         let read = |key, of| number_or_table(section, key, of, grid);
-        let dye = dye(section, &of.dye)?;
-        dye.on(grid).map_err(|source| RunError::Table {
-            section,
-            key: "dye",
-            source,
-        })?;
         Ok(Self {
             host_index: read("host_index", &of.host_index)?,
             host_mu_a_per_mm: read("host_mu_a_per_mm", &of.host_mu_a_per_mm)?,
             particle_index: read("particle_index", &of.particle_index)?,
-            dye,
+            dye: dye_of(section, of, grid)?,
         })
     }
 
@@ -381,7 +379,22 @@ fn number_or_table(
 
 /// Shape of the study's dye on its grid.
 pub(crate) fn dye_on(study: &Study, grid: &WavelengthGrid) -> Result<Samples, RunError> {
-    Ok(dye("medium", &study.medium.dye)?.on(grid)?)
+    Ok(dye_of("medium", &study.medium, grid)?.on(grid)?)
+}
+
+/// The dye of a medium, which has values on the grid. One that absorbs nothing needs none there.
+fn dye_of(section: &'static str, of: &MediumSection, grid: &WavelengthGrid) -> Result<Spectrum, RunError> {
+    let dye = dye(section, &of.dye)?;
+    match dye.on(grid) {
+        Err(SpectrumError::OutsideTable { .. }) if of.kappa_peak == 0.0 => Ok(Spectrum::Constant(0.0)),
+        Err(source @ SpectrumError::OutsideTable { .. }) => Err(RunError::DyeRange { section, source }),
+        Err(source) => Err(RunError::Table {
+            section,
+            key: "dye",
+            source,
+        }),
+        Ok(_) => Ok(dye),
+    }
 }
 
 /// A built-in dye by its name, else one from a file.

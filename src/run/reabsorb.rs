@@ -1,4 +1,4 @@
-use super::{Notice, NoticeKind, Plan, Reabsorbed, RunError, Systematic, YarnArtefact};
+use super::{NoticeKind, Plan, Reabsorbed, ReabsorptionNotice, RunError, Systematic, YarnArtefact};
 use crate::report::EnergyRow;
 use crate::study::{MediumSection, Study};
 use crate::transport::Fraction;
@@ -38,7 +38,7 @@ impl NoticeKind {
     }
 }
 
-impl fmt::Display for Notice {
+impl fmt::Display for ReabsorptionNotice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (nm, share) = (self.wavelength_nm, 100.0 * self.share_of_light);
         match self.kind {
@@ -80,7 +80,8 @@ impl fmt::Display for Notice {
 /// ledger. The BSSRDF and the f* summed from it have no path lengths and are removed.
 ///
 /// # Errors
-/// A study or input files that are no longer those of the artefact, the same medium, one that [`Reabsorption::new`] refuses.
+/// A study or input files that are no longer those of the artefact, the same medium, one that [`Reabsorption::new`]
+/// refuses.
 pub fn reabsorb(
     mut artefact: YarnArtefact,
     source_sha256: String,
@@ -197,7 +198,7 @@ fn change_row(row: &mut EnergyRow, changes: &[Reweighted; 2]) {
     }
 }
 
-fn notices(change: &Reabsorption, support: &[Support]) -> Vec<Notice> {
+fn notices(change: &Reabsorption, support: &[Support]) -> Vec<ReabsorptionNotice> {
     let kinds = [
         NoticeKind::FewPathsCount,
         NoticeKind::BinsTooWide,
@@ -216,7 +217,7 @@ fn notices(change: &Reabsorption, support: &[Support]) -> Vec<Notice> {
             _ => value.abs(),
         };
         let worst = due.iter().max_by(|a, b| severity(a).total_cmp(&severity(b)))?;
-        Some(Notice {
+        Some(ReabsorptionNotice {
             kind,
             wavelength_nm: worst.0,
             value: worst.1,

@@ -12,12 +12,12 @@ pub struct Reabsorbed {
     pub mu_a_change_per_mm: [f64; 2],
     /// Least and greatest change of the scattering coefficient that came with it, relative.
     pub mu_s_change: [f64; 2],
-    pub notices: Vec<Notice>,
+    pub notices: Vec<ReabsorptionNotice>,
 }
 
 /// A limitation of a changed trace that its user should know.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Notice {
+pub struct ReabsorptionNotice {
     pub kind: NoticeKind,
     /// The wavelength where it is worst.
     pub wavelength_nm: f64,

@@ -8,8 +8,8 @@ use crate::sample::{ANGLE_TOLERANCE_DEG, Reading, Sample};
 const MOST_GEOMETRIES: usize = 500;
 const MOST_INCIDENCES: usize = 10;
 
-/// Geometries that a report measures: the sample's own, or the rig's where the study sets them or the sample is a table with
-/// values there; and normal incidence and view in any case.
+/// Geometries that a report measures: the sample's own, or the rig's where the study sets them or the sample is a table
+/// with values there; and normal incidence and view in any case.
 pub fn report_geometries(plan: &Plan) -> Vec<Geometry> {
     let mut geometries = match takes_the_samples(plan) {
         true => thinned(plan.sample.geometries().map(geometry).collect()),
@@ -80,7 +80,8 @@ pub(super) fn readings_of(
     Ok(geometries.iter().map(reading).collect::<Result<_, _>>()?)
 }
 
-/// How many readings of the sample are compared, and why the others are not. `model` is the mean of the model at each geometry.
+/// How many readings of the sample are compared, and why the others are not. `model` is the mean of the model at each
+/// geometry.
 pub(super) fn count(
     plan: &Plan,
     geometries: &[Geometry],
@@ -137,7 +138,8 @@ enum Fate {
     Used,
 }
 
-/// Indices of the readings that give the value at a geometry: the nearest one, or those on either side of an interpolated view.
+/// Indices of the readings that give the value at a geometry: the nearest one, or those on either side of an
+/// interpolated view.
 fn taken(of_sample: &[Geometry], at: Geometry, interpolated: bool) -> Vec<usize> {
     let off = |place: &usize| of_sample[*place].theta_v_deg - at.theta_v_deg;
     let curve = |place: &usize| (of_sample[*place].theta_i_deg - at.theta_i_deg).abs() <= ANGLE_TOLERANCE_DEG;

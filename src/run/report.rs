@@ -29,8 +29,8 @@ pub struct Request<'a> {
     pub notices: Vec<Notice>,
 }
 
-/// Paths a tilt below which verdicts are withheld. Of 64 the normalisation was 4.3 ± 0.3 and of 300 2.9 ± 0.4 where it is 2.7: few
-/// paths miss the rare bright ones, and their spread tells nothing of those.
+/// Paths a tilt below which verdicts are withheld. Of 64 the normalisation was 4.3 ± 0.3 and of 300 2.9 ± 0.4 where it
+/// is 2.7: few paths miss the rare bright ones, and their spread tells nothing of those.
 const LEAST_PATHS: usize = 300;
 
 /// Shades, compares and collects what a report says of a simulation.
@@ -134,7 +134,7 @@ pub fn report(
         let name = convention.to_string();
         let colour = ColourSystem::new(&plan.grid, convention)?;
         let ratios = curves.diffuse_ratios(&colour, normal)?;
-        conventions.push(shown::Convention {
+        conventions.push(shown::ConventionRatios {
             convention: name,
             rows: vec![Table1Row::estimated(
                 Table1Name::Source(model_source.id.clone()),

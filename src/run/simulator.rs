@@ -96,7 +96,8 @@ impl<'a> Simulator<'a> {
         &self.geometries
     }
 
-    /// Incidences and wavelengths of the ledgers of a batch's cloth; no incidence where light is not followed from yarn to yarn.
+    /// Incidences and wavelengths of the ledgers of a batch's cloth; no incidence where light is not followed from yarn
+    /// to yarn.
     pub fn cloth_shape(&self) -> [usize; 2] {
         let incidences = if self.follows { self.beams.lit().len() } else { 0 };
         [incidences, self.plan.grid.len()]

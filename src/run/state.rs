@@ -1,5 +1,5 @@
 use super::{Batch, Plan, RunError, Simulator};
-use crate::artefact::{ArrayInfo, ElementType, Identity, Kind, Reader, Writer};
+use crate::artefact::{ArrayInfo, ArtefactKind, ElementType, Identity, Reader, Writer};
 use crate::cloth::light::{ClothFraction, ClothLedger};
 use crate::output;
 use crate::report::InputDigest;
@@ -49,7 +49,7 @@ impl StateFile {
     /// A file that is damaged, or of another command, study, seed or program version. It stays as it is.
     pub fn load(&self, simulator: &Simulator) -> Result<Option<Vec<Batch>>, RunError> {
         let Some(path) = &self.path else { return Ok(None) };
-        let Some(mut file) = Reader::open_if_there(path, Kind::State)? else {
+        let Some(mut file) = Reader::open_if_there(path, ArtefactKind::State)? else {
             return Ok(None);
         };
         file.expect(&self.identity)?;
@@ -79,7 +79,7 @@ impl StateFile {
         let Some(path) = &self.path else { return Ok(()) };
         let infos = Arrays::new(simulator, batches.len());
         let header = serde_json::json!({ "batches": batches.len() });
-        let mut file = Writer::create(path, Kind::State, &self.identity, &header, &infos.in_order())?;
+        let mut file = Writer::create(path, ArtefactKind::State, &self.identity, &header, &infos.in_order())?;
         let ledgers = batches.iter().flat_map(|batch| &batch.ledgers);
         file.append(&infos.ledgers.name, ledgers.flat_map(Ledger::amounts))?;
         let diffuse = batches.iter().flat_map(|batch| batch.diffuse.iter().flatten());

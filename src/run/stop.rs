@@ -87,8 +87,9 @@ impl StopRule {
         }
     }
 
-    /// Whether nothing but the precision would end the run, and that not within [`Self::MOST`] batches: errors fall with the root of
-    /// their number. `times` is the error over the tolerance; one that is not known after so many batches never is.
+    /// Whether nothing but the precision would end the run, and that not within [`Self::MOST`] batches: errors fall
+    /// with the root of their number. `times` is the error over the tolerance; one that is not known after so many
+    /// batches never is.
     fn is_out_of_reach(&self, batches: usize, times: f64) -> bool {
         let needed = batches as f64 * times * times;
         let open_end = self.batches >= Self::MOST && batches < self.batches && self.max_time.is_none();
@@ -131,7 +132,8 @@ impl Tolerance {
         }
     }
 
-    /// A standard error as the tolerance counts it. Of 0 ± 0 nothing is known: no path that would tell was among those traced.
+    /// A standard error as the tolerance counts it. Of 0 ± 0 nothing is known: no path that would tell was among those
+    /// traced.
     pub fn error(&self, value: f64, se: f64) -> f64 {
         match self {
             _ if value == 0.0 && se == 0.0 => f64::INFINITY,
@@ -140,8 +142,8 @@ impl Tolerance {
         }
     }
 
-    /// The largest standard error of values and their standard errors after so many batches, as the tolerance counts it. What is
-    /// 0 ± 0 after [`StopRule::LEAST_FOR_NOTHING`] of them is left out; `None` where that is all.
+    /// The largest standard error of values and their standard errors after so many batches, as the tolerance counts
+    /// it. What is 0 ± 0 after [`StopRule::LEAST_FOR_NOTHING`] of them is left out; `None` where that is all.
     pub fn largest_error(&self, batches: usize, estimates: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
         let hit = |(value, se): &(f64, f64)| batches < StopRule::LEAST_FOR_NOTHING || *value != 0.0 || *se != 0.0;
         // In this order NaN is the largest, and no precision is ever reached with one.

@@ -21,9 +21,9 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Traces each of the sweep's values alone in place of the study's, in the yarns of the warp where the weft's are of another
-    /// medium. After `traced` batches, fewer than the study has, there are fewer paths here in proportion: a run that was short of
-    /// time is short of it here too.
+    /// Traces each of the sweep's values alone in place of the study's, in the yarns of the warp where the weft's are
+    /// of another medium. After `traced` batches, fewer than the study has, there are fewer paths here in proportion: a
+    /// run that was short of time is short of it here too.
     ///
     /// # Errors
     /// A value of the sweep that is no medium.

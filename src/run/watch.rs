@@ -42,7 +42,7 @@ impl<'a> Watch<'a> {
             if normal.is_none() {
                 return Err(RunError::NoNormal);
             }
-            plan.colour.require()?;
+            plan.require_colour()?;
         }
         // As the report normalises: where there is no light there, its values are absolute.
         let measured = match normalised {
@@ -92,8 +92,8 @@ impl<'a> Watch<'a> {
         });
     }
 
-    /// Largest of the standard errors, as the precision counts them; none for fewer than two batches, and where no light was hit
-    /// in as many as [`super::StopRule::LEAST_FOR_NOTHING`].
+    /// Largest of the standard errors, as the precision counts them; none for fewer than two batches, and where no
+    /// light was hit in as many as [`super::StopRule::LEAST_FOR_NOTHING`].
     pub(super) fn largest_error(&self) -> Option<f64> {
         if self.batches.len() < 2 {
             return None;

@@ -1,5 +1,5 @@
-//! How much work a batch is, from the study alone: a run that is to end in time takes batches small enough for it, the same ones
-//! whenever it is repeated.
+//! How much work a batch is, from the study alone: a run that is to end in time takes batches small enough for it, the
+//! same ones whenever it is repeated.
 
 use super::memory::Stage;
 use super::{Plan, RunError};
@@ -9,8 +9,8 @@ use crate::study::{MethodChoice, ShadeWith, Study, StudyError};
 use crate::yarn::{Estimator, Yarn};
 use std::time::Duration;
 
-/// Seconds of a path of shared wavelengths and of one of a single wavelength, of a particle met on them, of a particle that goes from
-/// yarn to yarn by f* and through media, and of a camera ray: on one core of 2020, 35 wavelengths.
+/// Seconds of a path of shared wavelengths and of one of a single wavelength, of a particle met on them, of a particle
+/// that goes from yarn to yarn by f* and through media, and of a camera ray: on one core of 2020, 35 wavelengths.
 const SHARED_PATH: f64 = 0.4e-6;
 const SHARED_SCATTERING: f64 = 1e-7;
 const SINGLE_PATH: f64 = 0.2e-6;
@@ -20,7 +20,8 @@ const THROUGH_MEDIA: f64 = 6e-6;
 const CAMERA_RAY: f64 = 2e-6;
 const WAVELENGTHS: f64 = 35.0;
 
-/// A batch takes at most this part of the time allowed, by the estimate: two are made in any case, and the estimate may be short.
+/// A batch takes at most this part of the time allowed, by the estimate: two are made in any case, and the estimate may
+/// be short.
 const SHARE_OF_TIME: f64 = 0.125;
 /// Paths a tilt of a batch below which it is not made smaller, and most batches of a study.
 const LEAST_PATHS: u64 = 16;
@@ -61,9 +62,10 @@ const LOADS: [Load; 8] = [
 ];
 
 impl Plan {
-    /// Particles that a path meets in a yarn, in the mean and about. Of light that comes from everywhere and is not absorbed the mean
-    /// way through a body is 4 n² times its volume over its surface, whatever scatters in it (Blanco and Fournier 2003), 2 n² R in a
-    /// cylinder; absorption shortens it. A path of shared wavelengths lasts as long as that of the least absorbed.
+    /// Particles that a path meets in a yarn, in the mean and about. Of light that comes from everywhere and is not
+    /// absorbed the mean way through a body is 4 n² times its volume over its surface, whatever scatters in it (Blanco
+    /// and Fournier 2003), 2 n² R in a cylinder; absorption shortens it. A path of shared wavelengths lasts as long as
+    /// that of the least absorbed.
     pub fn scatterings_per_path(&self) -> f64 {
         self.different_yarns().map(scatterings).fold(0.0, f64::max)
     }
@@ -151,8 +153,8 @@ impl Plan {
         f64::from(study.trace.batches) * (paths + fixed)
     }
 
-    /// This plan with batches small enough that `limit` can be kept: a power of two times as many, each of so much fewer paths; and
-    /// how many times as many. It depends on the study and the limit alone.
+    /// This plan with batches small enough that `limit` can be kept: a power of two times as many, each of so much
+    /// fewer paths; and how many times as many. It depends on the study and the limit alone.
     ///
     /// # Errors
     /// None for a study that a plan was made of.
@@ -183,7 +185,7 @@ impl Plan {
         ] {
             *paths = (*paths).max(batches);
         }
-        Ok((Self::new(study)?, parts))
+        Ok((Self::with_sample(study, self.chosen)?, parts))
     }
 
     /// Seconds of one batch on one core: those in proportion to its paths, and the others.
@@ -236,5 +238,23 @@ fn scatterings(yarn: &Yarn) -> f64 {
             longest * mean(&|w| medium.mu_s_per_mm()[w])
         }
         Estimator::Independent => mean(&|w| way_mm(w) * medium.mu_s_per_mm()[w]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::Side;
+    use crate::sample::Chosen;
+
+    #[test]
+    fn smaller_batches_keep_the_component_that_was_chosen() {
+        let chosen = Chosen {
+            side: Some(Side::Front),
+            ..Chosen::default()
+        };
+        let plan = Plan::with_sample(Study::default(), chosen).unwrap();
+        let (split, parts) = plan.split_for(Duration::from_millis(1), Stage::Views).unwrap();
+        assert!(parts > 1 && split.chosen == chosen, "{parts} {:?}", split.chosen);
     }
 }

@@ -1,6 +1,7 @@
 use crate::spectrum::plausibility;
 use crate::spectrum::{CsvError, CsvTable};
 use crate::text::band_nm;
+use crate::text::remedy_for_brdf;
 
 /// Which column holds what.
 pub(super) struct Columns {
@@ -106,11 +107,16 @@ impl Finder<'_> {
                           theta_i_deg,theta_v_deg and one column a wavelength (390,400,...), or \
                           theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b[,beta_r_se,beta_g_se,beta_b_se] for RGB";
             let found = self.table.columns().join(",");
-            self.table.header_error(&format!("a column {name}"), &found, remedy)
+            self.table.header_error(
+                &format!("a column {name}"),
+                &found,
+                remedy_for_brdf(&found).unwrap_or(remedy),
+            )
         })
     }
 
-    /// Two or more columns named by wavelengths. One named by a number that is no wavelength in nm is refused with its unit.
+    /// Two or more columns named by wavelengths. One named by a number that is no wavelength in nm is refused with its
+    /// unit.
     fn wide(&mut self) -> Result<Option<Values>, Box<CsvError>> {
         let (mut beta, mut se) = (Vec::new(), Vec::new());
         for (column, name) in self.table.columns().iter().enumerate() {

@@ -4,12 +4,12 @@ use std::collections::HashMap;
 
 use super::columns::{Columns, Values};
 use super::error::SampleError;
-use super::nominal::{AnglesRead, as_read, nominal};
+use super::nominal::{ANGLE_TOLERANCE_DEG, AnglesRead, as_read, nominal};
 use super::notice::SampleNotice;
-use super::row::{Axis, Row};
+use super::row::{Axis, Row, unit_doubts};
 use crate::number::shown;
 use crate::spectrum::plausibility;
-use crate::spectrum::{CsvError, CsvTable, WavelengthGrid};
+use crate::spectrum::{CsvError, CsvTable, Doubt, WavelengthGrid};
 
 /// Readings over incidence and view, all of them on the same channels or wavelengths.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,15 +77,13 @@ pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<Curves
         Values::Wide { beta, .. } => wide(&table, beta, lines, &mut notices)?,
         Values::Long { wavelength, .. } => spectral(&table, *wavelength, lines, &mut notices)?,
     };
-    let beta = rows.iter().flat_map(|row| row.beta.iter().copied());
-    notices.extend(plausibility::per_cent_for_fractions("beta", beta).map(SampleNotice::from));
-    let radians = plausibility::radians_for_degrees(rows.iter().flat_map(|row| [row.theta_i_deg, row.theta_v_deg]));
+    let doubts: Vec<Doubt> = unit_doubts(&rows).collect();
     // 1.05 is no reading at 1 degree where it is one at 60.
-    let (rows, angles) = match radians.is_some() {
+    let (rows, angles) = match doubts.iter().any(|doubt| matches!(doubt, Doubt::Radians { .. })) {
         true => as_read(rows),
         false => nominal(rows),
     };
-    notices.extend(radians.map(SampleNotice::from));
+    notices.extend(doubts.into_iter().map(SampleNotice::from));
     Ok(Curves {
         axis,
         has_se,
@@ -159,8 +157,8 @@ impl Line {
         })
     }
 
-    /// Values below 0 as a dark reading's noise leaves them: no farther than three of their standard errors, or than 2 % of the
-    /// table's largest value.
+    /// Values below 0 as a dark reading's noise leaves them: no farther than three of their standard errors, or than 2
+    /// % of the table's largest value.
     fn negative(
         &self,
         table: &CsvTable,
@@ -168,18 +166,17 @@ impl Line {
         row: usize,
         largest: f64,
     ) -> Result<Vec<f64>, Box<CsvError>> {
-        const NOISE: f64 = 0.02;
         const SIGMAS: f64 = 3.0;
         let values = std::iter::zip(&self.beta, &self.se).enumerate();
         let below = values.filter(|(_, (beta, _))| **beta < 0.0);
         below
-            .map(|(k, (&beta, se))| match -beta <= (NOISE * largest).max(SIGMAS * se) {
+            .map(|(k, (&beta, se))| match -beta <= (plausibility::NOISE * largest).max(SIGMAS * se) {
                 true => Ok(beta),
                 false => Err(table.cell_error(
                     row,
                     columns.places().0[k],
                     BETA,
-                    "noise about 0 is read to 2 % of the largest value or three standard errors; a colour outside the RGB \
+                    "noise about 0 is read to 5 % of the largest value or three standard errors; a colour outside the RGB \
                      space has to be given as spectral data",
                 )),
             })
@@ -275,6 +272,48 @@ struct Gathered {
     points: Vec<(f64, usize)>,
 }
 
+/// Geometries whose angles differ by no more than an encoder's, put together: each reading goes to the nearest one that
+/// has not its wavelength yet. And the largest difference of an angle from that of the first reading, degrees.
+fn joined(geometries: &[Gathered], entries: &[Line]) -> (Vec<Gathered>, f64) {
+    let mut all: Vec<(f64, usize)> = geometries.iter().flat_map(|gathered| gathered.points.clone()).collect();
+    all.sort_by_key(|point| point.1);
+    let mut joined: Vec<Gathered> = Vec::new();
+    let mut largest_deg = 0.0f64;
+    for point in all {
+        let entry = &entries[point.1];
+        let distance = |gathered: &Gathered| {
+            let first = &entries[gathered.first_row];
+            let [i, v] = [
+                entry.theta_i_deg - first.theta_i_deg,
+                entry.theta_v_deg - first.theta_v_deg,
+            ];
+            i.abs().max(v.abs())
+        };
+        let free = |(_, gathered): &(usize, &Gathered)| {
+            distance(gathered) <= ANGLE_TOLERANCE_DEG && gathered.points.iter().all(|known| known.0 != point.0)
+        };
+        let nearest = joined
+            .iter()
+            .enumerate()
+            .filter(free)
+            .min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+        match nearest.map(|(at, gathered)| (at, distance(gathered))) {
+            Some((at, distance)) => {
+                largest_deg = largest_deg.max(distance);
+                joined[at].points.push(point);
+            }
+            None => joined.push(Gathered {
+                first_row: point.1,
+                points: vec![point],
+            }),
+        }
+    }
+    for gathered in &mut joined {
+        gathered.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    (joined, largest_deg)
+}
+
 /// Readings with one wavelength a line.
 fn spectral(
     table: &CsvTable,
@@ -327,11 +366,22 @@ fn spectral(
         }
     }
     notices.extend(plausibility::repeated(repeated).map(SampleNotice::from));
+    let unlike = |geometries: &[Gathered]| {
+        let nm = |gathered: &Gathered| -> Vec<f64> { gathered.points.iter().map(|point| point.0).collect() };
+        let first = nm(&geometries[0]);
+        geometries.iter().position(|gathered| nm(gathered) != first)
+    };
+    let mut joined_deg = 0.0;
+    if unlike(&geometries).is_some() {
+        // An encoder may have been read anew at each wavelength.
+        let (joined, largest_deg) = joined(&geometries, &entries);
+        if unlike(&joined).is_none() {
+            (geometries, joined_deg) = (joined, largest_deg);
+            notices.push(SampleNotice::AnglesOfWavelengths { largest_deg });
+        }
+    }
     let nm: Vec<f64> = geometries[0].points.iter().map(|point| point.0).collect();
-    if let Some(other) = geometries
-        .iter()
-        .find(|g| !g.points.iter().map(|point| point.0).eq(nm.iter().copied()))
-    {
+    if let Some(other) = unlike(&geometries).map(|at| &geometries[at]) {
         let first = &entries[geometries[0].first_row];
         let expected = format!("the {} wavelengths of {}", nm.len(), geometry_text(first));
         let text = format!(
@@ -346,10 +396,13 @@ fn spectral(
         .iter()
         .map(|geometry| {
             let values = |of: fn(&Row) -> f64| geometry.points.iter().map(|point| of(&entries[point.1])).collect();
-            let first = &entries[geometry.first_row];
+            let angle = |of: fn(&Row) -> f64| match joined_deg > 0.0 {
+                true => geometry.points.iter().map(|point| of(&entries[point.1])).sum::<f64>() / nm.len() as f64,
+                false => of(&entries[geometry.first_row]),
+            };
             Row {
-                theta_i_deg: first.theta_i_deg,
-                theta_v_deg: first.theta_v_deg,
+                theta_i_deg: angle(|entry| entry.theta_i_deg),
+                theta_v_deg: angle(|entry| entry.theta_v_deg),
                 beta: values(|entry| entry.beta[0]),
                 se: values(|entry| entry.se[0]),
             }

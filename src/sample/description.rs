@@ -7,7 +7,7 @@ use crate::goniometric::{Scatter, Side};
 /// How the numbers came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum SampleKind {
     /// Readings of an instrument.
     Measured,
     /// A function fitted to readings, evaluated.
@@ -25,7 +25,7 @@ pub struct Description {
     pub source: String,
     pub licence: String,
     /// None for a bare CSV file, which does not say.
-    pub kind: Option<Kind>,
+    pub kind: Option<SampleKind>,
     /// Standard uncertainty of each reading relative to its value; used where the data have no `_se` columns.
     pub relative_standard_uncertainty: Option<f64>,
     /// What the RGB columns are, in words.

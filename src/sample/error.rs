@@ -5,7 +5,7 @@ use crate::spectrum::{CsvError, SpectrumError, UnknownName};
 /// What is wrong with a sample.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SampleError {
-    #[error("{0}; nor is there a file or folder of that name")]
+    #[error("{0}; nor is there a file or folder of that name: take one of these names, or the path of a sample")]
     Unknown(UnknownName),
     #[error("{path}: cannot be read: {reason}; check its name, its size and the right to read it")]
     Read { path: String, reason: String },

@@ -1,15 +1,15 @@
 use super::description::Chosen;
 use super::error::SampleError;
 use super::notice::SampleNotice;
-use super::row::{Axis, Row};
-use crate::goniometric::{Channels, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
+use super::row::{Axis, Row, unit_doubts};
+use crate::goniometric::{ChannelSet, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
 use crate::spectrum::WavelengthGrid;
-use crate::spectrum::plausibility;
 
 /// Common to the observers' and the illuminants' tables.
 const COLOUR_NM: std::ops::RangeInclusive<f64> = 360.0..=780.0;
 
-/// A component of a goniometric file, reflection unless another is chosen, in the plane of incidence along x, light on the side of −x.
+/// A component of a goniometric file, reflection unless another is chosen, in the plane of incidence along x, light on
+/// the side of −x.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct GoniometricData {
     component: Component,
@@ -19,8 +19,8 @@ pub(super) struct GoniometricData {
     /// Channels that the axis takes.
     channels: std::ops::Range<usize>,
     relative_se: f64,
-    /// Of the file's own incidences with the views every 5 degrees that it has a value at; of readings that need not form a
-    /// grid, those in the plane.
+    /// Of the file's own incidences with the views every 5 degrees that it has a value at; of readings that need not
+    /// form a grid, those in the plane.
     rows: Vec<Row>,
     outside_plane: usize,
     notices: Vec<SampleNotice>,
@@ -57,16 +57,16 @@ impl GoniometricData {
             ));
         }
         let (axis, channels) = match &component.channels {
-            Channels::Rgb => (Axis::Rgb, 0..3),
-            Channels::Xyz => (Axis::Xyz, 0..3),
-            Channels::Monochrome => {
+            ChannelSet::Rgb => (Axis::Rgb, 0..3),
+            ChannelSet::Xyz => (Axis::Xyz, 0..3),
+            ChannelSet::Monochrome => {
                 return Err(refuse(
                     "spectra, XYZ or RGB",
                     "one channel",
                     "one channel has no colour; `specval inspect` shows it, `specval convert` writes it in another format",
                 ));
             }
-            Channels::Wavelengths(grid) => {
+            ChannelSet::Wavelengths(grid) => {
                 let nm = grid.nm();
                 let first = nm.partition_point(|w| w < COLOUR_NM.start());
                 let end = nm.partition_point(|w| w <= COLOUR_NM.end());
@@ -112,10 +112,7 @@ impl GoniometricData {
         if let Table::Scattered(table) = &this.component.table {
             this.outside_plane = table.readings().len().saturating_sub(this.rows.len());
         }
-        let beta = this.rows.iter().flat_map(|row| row.beta.iter().copied());
-        let per_cent = plausibility::per_cent_for_fractions("beta", beta);
-        let angles = this.rows.iter().flat_map(|row| [row.theta_i_deg, row.theta_v_deg]);
-        let doubts = per_cent.into_iter().chain(plausibility::radians_for_degrees(angles));
+        let doubts = unit_doubts(&this.rows);
         this.notices.extend(doubts.map(SampleNotice::from));
         Ok(this)
     }
@@ -137,8 +134,8 @@ impl GoniometricData {
         self.outside_plane
     }
 
-    /// Directional-hemispherical reflectance at an incidence in degrees, a value a channel of the axis, and the share of the
-    /// projected hemisphere that the file has values on.
+    /// Directional-hemispherical reflectance at an incidence in degrees, a value a channel of the axis, and the share
+    /// of the projected hemisphere that the file has values on.
     pub(super) fn hemispherical(&self, theta_i_deg: f64) -> Option<(Vec<f64>, f64)> {
         let azimuth_rad = std::f64::consts::PI;
         let integrated = self
@@ -182,15 +179,16 @@ impl GoniometricData {
     }
 }
 
-/// Incidence and signed view in degrees of a reading's angles in radians, if it lies in the plane of incidence along x; light and view
-/// below 90 degrees.
+/// Incidence and signed view in degrees of a reading's angles in radians, if it lies in the plane of incidence along x;
+/// light and view below 90 degrees.
 fn in_plane(angles: &[f64]) -> Option<(f64, f64)> {
     let degrees = |angle: f64| (angle.to_degrees() * 1e9).round() / 1e9;
     let near = |turn: f64| turn.sin().abs() < 1e-9;
     let (theta_i, theta_v) = match *angles {
         [theta_i, theta_v] => (degrees(theta_i), degrees(theta_v)),
         [theta_i, phi_i, theta_o, phi_o] => {
-            // Seen from the normal, or lit from it, any azimuth is in some plane of incidence; the table's own is along x.
+            // Seen from the normal, or lit from it, any azimuth is in some plane of incidence; the table's own is along
+            // x.
             if theta_o > 1e-9 && !near(phi_o - if theta_i > 1e-9 { phi_i } else { 0.0 }) {
                 return None;
             }

@@ -44,8 +44,9 @@ pub fn published_ratios() -> Result<PublishedRatios, SampleError> {
 }
 
 impl Sample {
-    /// A built-in sample by name, else a folder with `sample.toml` and `data.csv`, else a bare CSV file or a goniometric file
-    /// of any format of [`crate::formats`]. A folder that has the name of a built-in sample is reached as `./name`.
+    /// A built-in sample by name, else a folder with `sample.toml` and `data.csv`, else a bare CSV file or a
+    /// goniometric file of any format of [`crate::formats`]. A folder that has the name of a built-in sample is reached
+    /// as `./name`.
     ///
     /// The data are spectral, with the columns `theta_i_deg,theta_v_deg,wavelength_nm,beta` and perhaps `beta_se`, or
     /// RGB, `theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b` and perhaps `beta_r_se,beta_g_se,beta_b_se`; angles in
@@ -54,7 +55,8 @@ impl Sample {
         Self::load_chosen(name_or_path, Chosen::default())
     }
 
-    /// [`Sample::load`] of a component of the file; tables of readings in the plane of incidence have reflection from the front alone.
+    /// [`Sample::load`] of a component of the file; tables of readings in the plane of incidence have reflection from
+    /// the front alone.
     pub fn load_chosen(name_or_path: &str, chosen: Chosen) -> Result<Self, SampleError> {
         if let Some(known) = BUILT_IN.iter().find(|sample| sample.name == name_or_path) {
             let toml = format!("measurements/{}/sample.toml", known.name);

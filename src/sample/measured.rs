@@ -6,9 +6,8 @@ use super::goniometric::GoniometricData;
 use super::nominal::AnglesRead;
 use super::notice::SampleNotice;
 use super::ratios::PublishedRatios;
-use super::row::{Axis, Row};
+use super::row::{Axis, Row, unit_doubts};
 use crate::goniometric::Scatter;
-use crate::spectrum::plausibility;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Data {
@@ -49,7 +48,8 @@ impl Sample {
 
     /// Measured geometries (theta_i_deg, theta_v_deg), ascending.
     ///
-    /// Of a goniometric file they are its own incidences with those of the views every 5 degrees that it has a value at.
+    /// Of a goniometric file they are its own incidences with those of the views every 5 degrees that it has a value
+    /// at.
     pub fn geometries(&self) -> impl Iterator<Item = (f64, f64)> {
         self.rows().iter().map(|row| (row.theta_i_deg, row.theta_v_deg))
     }
@@ -72,7 +72,8 @@ impl Sample {
         })
     }
 
-    /// What the reader assumed, left out or found implausible: units, signs, columns by other names. For a report to show.
+    /// What the reader assumed, left out or found implausible: units, signs, columns by other names. For a report to
+    /// show.
     pub fn notices(&self) -> &[SampleNotice] {
         match &self.data {
             Data::Curves(curves) => curves.notices(),
@@ -81,17 +82,15 @@ impl Sample {
         }
     }
 
-    /// Whether it is light that went through, which has no reciprocity of its own: light and viewer exchanged are on the other sides.
+    /// Whether it is light that went through, which has no reciprocity of its own: light and viewer exchanged are on
+    /// the other sides.
     pub fn is_transmission(&self) -> bool {
         matches!(&self.data, Data::Goniometric(data) if data.scatter() == Scatter::Transmission)
     }
 
     /// Whether values or angles look like those of another unit, of which [`Sample::notices`] tell.
     pub fn implausible(&self) -> bool {
-        let beta = self.rows().iter().flat_map(|row| row.beta.iter().copied());
-        let angles = self.geometries().flat_map(|(theta_i, theta_v)| [theta_i, theta_v]);
-        plausibility::per_cent_for_fractions("beta", beta).is_some()
-            || plausibility::radians_for_degrees(angles).is_some()
+        unit_doubts(self.rows()).next().is_some()
     }
 
     /// What was made of angles that an encoder read back.
@@ -120,8 +119,8 @@ impl Sample {
         self.at(theta_i_deg, theta_v_deg).is_some()
     }
 
-    /// Directional-hemispherical reflectance at an incidence in degrees, a value a channel of [`Sample::raw`], and the share of the
-    /// projected hemisphere that the file has values on. `None` of files of the plane of incidence alone.
+    /// Directional-hemispherical reflectance at an incidence in degrees, a value a channel of [`Sample::raw`], and the
+    /// share of the projected hemisphere that the file has values on. `None` of files of the plane of incidence alone.
     pub fn hemispherical(&self, theta_i_deg: f64) -> Option<(Vec<f64>, f64)> {
         match &self.data {
             Data::Goniometric(data) => data.hemispherical(theta_i_deg),

@@ -7,7 +7,8 @@ use super::row::Row;
 /// Incidences in degrees that differ by no more are one incidence, and so far a reading may lie from the geometry it is
 /// compared at.
 pub const ANGLE_TOLERANCE_DEG: f64 = 0.25;
-/// An angle no farther from a whole number of degrees, and no farther than a quarter of the curve's mean step, is that number.
+/// An angle no farther from a whole number of degrees, and no farther than a quarter of the curve's mean step, is that
+/// number.
 const WHOLE_DEG: f64 = 0.1;
 
 /// What was made of angles that an encoder read back.
@@ -29,9 +30,9 @@ struct Placed {
 
 /// Rows at their nominal angles, ascending, every geometry once.
 ///
-/// Incidences within [`ANGLE_TOLERANCE_DEG`] of each other become their mean, and angles within 0.1 degrees of a whole number
-/// become that. Readings of one geometry become their mean; its standard error is the larger of what theirs give, as
-/// independent, and of what their scatter gives.
+/// Incidences within [`ANGLE_TOLERANCE_DEG`] of each other become their mean, and angles within 0.1 degrees of a whole
+/// number become that. Readings of one geometry become their mean; its standard error is the larger of what theirs
+/// give, as independent, and of what their scatter gives.
 pub(super) fn nominal(rows: Vec<Row>) -> (Vec<Row>, AnglesRead) {
     let mut placed: Vec<Placed> = rows
         .into_iter()

@@ -1,6 +1,6 @@
 //! What the reader of a sample assumed, left out or found implausible.
 
-use crate::number::shown;
+use crate::number::{shown, significant};
 use crate::spectrum::Doubt;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
@@ -15,6 +15,8 @@ pub enum SampleNotice {
     Doubt { doubt: Doubt },
     /// Columns that were read by another name. `unsigned`: no view is below 0.
     RenamedColumns { columns: Vec<String>, unsigned: bool },
+    /// Angles that were read anew at each wavelength, and their largest difference.
+    AnglesOfWavelengths { largest_deg: f64 },
     /// Values below 0 within noise.
     NegativeValues { count: usize, lowest: f64 },
     /// Values at wavelengths without colour-matching functions.
@@ -56,6 +58,11 @@ impl Display for SampleNotice {
                     columns.join(", ")
                 )
             }
+            Self::AnglesOfWavelengths { largest_deg } => write!(
+                f,
+                "angles of the sample differ between the wavelengths of a geometry, by up to {} degrees: their means are taken",
+                significant(*largest_deg, 2)
+            ),
             Self::NegativeValues { count, lowest } => write!(
                 f,
                 "{count} values of the sample are below 0, the lowest {}: taken as they are, as noise about 0",

@@ -40,11 +40,12 @@ impl Reading {
 
 impl Sample {
     /// β at a geometry: as measured, or linear in theta_v_deg between the nearest views of the same incidence
-    /// (flagged), or that of the last view or the nearest incidence within [`ANGLE_TOLERANCE_DEG`], or `None` outside what was measured and for samples of published ratios. Goniometric files interpolate in
-    /// their own parameters, over incidences too.
+    /// (flagged), or that of the last view or the nearest incidence within [`ANGLE_TOLERANCE_DEG`], or `None` outside
+    /// what was measured and for samples of published ratios. Goniometric files interpolate in their own parameters,
+    /// over incidences too.
     ///
-    /// Spectral data go through [`ColourSystem`], y being Y of XYZ; wavelengths err independently. RGB data are taken as
-    /// they stand, y being the luminance they would have in the convention's RGB space: an assumption wherever they
+    /// Spectral data go through [`ColourSystem`], y being Y of XYZ; wavelengths err independently. RGB data are taken
+    /// as they stand, y being the luminance they would have in the convention's RGB space: an assumption wherever they
     /// are camera RGB, and the only use made of the convention for them; channels err independently.
     pub fn reading(
         &self,
@@ -128,7 +129,8 @@ impl Sample {
         }
     }
 
-    /// β(λ) at a geometry, on the wavelengths of the sample, interpolated as [`Sample::reading`] does; `None` for RGB data.
+    /// β(λ) at a geometry, on the wavelengths of the sample, interpolated as [`Sample::reading`] does; `None` for RGB
+    /// data.
     pub fn spectrum(&self, theta_i_deg: f64, theta_v_deg: f64) -> Result<Option<Samples>, SampleError> {
         match self.at(theta_i_deg, theta_v_deg) {
             Some((Axis::Wavelengths(grid), row, _)) => Ok(Some(Samples::new(self.name(), grid, row.beta)?)),

@@ -13,8 +13,8 @@ use crate::text::{Cgats, CsvTable, band_nm, is_cgats, lines_of};
 /// Largest file of spectra.
 const MOST_BYTES: u64 = 8 << 20;
 
-/// Reads one spectrum, such as a dye or an illuminant, whose values are all `allowed`: a file as of [`read_spectra`] with one
-/// spectrum, in CSV the columns `wavelength_nm,value`.
+/// Reads one spectrum, such as a dye or an illuminant, whose values are all `allowed`: a file as of [`read_spectra`]
+/// with one spectrum, in CSV the columns `wavelength_nm,value`.
 ///
 /// # Errors
 /// The first place where the file departs from that.
@@ -27,7 +27,7 @@ pub fn read_spectrum(path: &Path, allowed: impl RangeBounds<f64>) -> Result<Spec
 /// # Errors
 /// As [`read_spectrum`].
 pub fn parse_spectrum(name: &str, bytes: &[u8], allowed: impl RangeBounds<f64>) -> Result<Spectrum, SpectrumError> {
-    let (source, _) = Source::parse(name, bytes)?;
+    let (source, _) = SpectrumText::parse(name, bytes)?;
     let refuse = |expected: &str, found: String| {
         let remedy = "keep one column of values, value, beside wavelength_nm, or one set";
         Err(source.table().header_error(expected, &found, remedy).into())
@@ -49,7 +49,7 @@ pub fn parse_spectrum(name: &str, bytes: &[u8], allowed: impl RangeBounds<f64>) 
 /// # Errors
 /// The first place where the file departs from that.
 pub fn parse_observer(name: &str, bytes: &[u8]) -> Result<ObserverTables, SpectrumError> {
-    let (source, _) = Source::parse(name, bytes)?;
+    let (source, _) = SpectrumText::parse(name, bytes)?;
     let mut spectra = source.spectra(&Values::of(&(0.0..)))?;
     spectra.sort_by_key(|(title, _)| title.to_ascii_lowercase());
     let titles: Vec<&str> = spectra.iter().map(|(title, _)| title.as_str()).collect();
@@ -83,10 +83,11 @@ pub struct SpectraFile {
 impl SpectraFile {
     /// Reads any number of named spectra on common wavelengths, values of any sign and size.
     ///
-    /// CSV: columns `wavelength_nm,<name>,<name>,…` with a row a wavelength, or columns titled with a wavelength in nm (`390`,
-    /// `R390`, `390 nm`) with a row a spectrum; in the second a column `name`, or the only other one, names them, and more columns are notes and skipped.
-    /// CGATS-like text: fields such as `SPEC_390`, `SPECTRAL_NM390`, `390_NM` or `nm390` with a set a spectrum, or a field
-    /// `WAVELENGTH` or `SPECTRAL_NM` with a set a wavelength; values are over `SPECTRAL_NORM` where that is stated.
+    /// CSV: columns `wavelength_nm,<name>,<name>,…` with a row a wavelength, or columns titled with a wavelength in nm
+    /// (`390`, `R390`, `390 nm`) with a row a spectrum; in the second a column `name`, or the only other one, names
+    /// them, and more columns are notes and skipped. CGATS-like text: fields such as `SPEC_390`, `SPECTRAL_NM390`,
+    /// `390_NM` or `nm390` with a set a spectrum, or a field `WAVELENGTH` or `SPECTRAL_NM` with a set a wavelength;
+    /// values are over `SPECTRAL_NORM` where that is stated.
     ///
     /// # Errors
     /// The first place where the file departs from its layout; a file over 8 MiB.
@@ -99,13 +100,13 @@ impl SpectraFile {
     /// # Errors
     /// As [`SpectraFile::read`].
     pub fn parse(name: &str, bytes: &[u8]) -> Result<Self, SpectrumError> {
-        let (source, encoding) = Source::parse(name, bytes)?;
+        let (source, encoding) = SpectrumText::parse(name, bytes)?;
         let spectra = source.spectra(&Values::of(&..))?;
         let mut notices = source.table().notices().to_vec();
         notices.extend(encoding);
         let stated = match &source {
-            Source::Csv(_) => Vec::new(),
-            Source::Cgats(cgats) => cgats.stated(),
+            SpectrumText::Csv(_) => Vec::new(),
+            SpectrumText::Cgats(cgats) => cgats.stated(),
         };
         Ok(Self {
             spectra,
@@ -131,12 +132,12 @@ pub fn parse_spectra(name: &str, bytes: &[u8]) -> Result<Vec<(String, Samples)>,
     Ok(SpectraFile::parse(name, bytes)?.spectra)
 }
 
-enum Source {
+enum SpectrumText {
     Csv(CsvTable),
     Cgats(Cgats),
 }
 
-impl Source {
+impl SpectrumText {
     /// And a notice of the file's encoding.
     fn parse(name: &str, bytes: &[u8]) -> Result<(Self, Option<String>), SpectrumError> {
         let (text, encoding) = lines_of(name, bytes)?;

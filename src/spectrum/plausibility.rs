@@ -1,26 +1,35 @@
-//! Whether numbers have the unit that their column asks for. Each rule names the likely unit and the remedy; none of them
-//! changes a value. Shared by samples, spectra and media.
+//! Whether numbers have the unit that their column asks for. Each rule names the likely unit and the remedy; none of
+//! them changes a value. Shared by samples, spectra and media.
 
 use crate::number::nan_from_null;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 use std::ops::{Bound, RangeBounds};
 
-/// A brightness factor or a fraction is seldom above this in the median, and in per cent seldom below.
-const FRACTION_MEDIAN: f64 = 2.0;
-/// A reflectance of a whole spectrum is above this where the material fluoresces or mirrors, or where it is in per cent.
+/// Fluorescent cloths reach 1.5; a cloth's brightness factor is above this near the mirror direction or towards the
+/// light alone, and one in per cent at nearly every wavelength where the cloth is not black.
+const FRACTION: f64 = 2.0;
+/// Share of the readings above that, away from lobes, that is more than outliers.
+const SHARE: f64 = 0.05;
+/// Half-widths of the lobes about the mirror (or straight) direction and about the light, degrees.
+const MIRROR_LOBE_DEG: f64 = 30.0;
+const RETRO_LOBE_DEG: f64 = 10.0;
+/// A reflectance of a whole spectrum is above this where the material fluoresces or mirrors, or where it is in per
+/// cent.
 const FRACTION_HIGHEST: f64 = 1.5;
 /// Share of the highest value that dark subtraction may leave readings below 0.
-const NOISE: f64 = 0.05;
+pub const NOISE: f64 = 0.05;
 /// A right angle in radians, and a little for rounding.
 const QUARTER_TURN_RAD: f64 = 1.6;
+const TURN_RAD: f64 = 6.3;
 
 /// What is doubtful about numbers. [`Display`] gives the words.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "id", rename_all = "kebab-case")]
 pub enum Doubt {
-    /// Fractions with this median look like per cent. `what` names the values, such as "beta".
-    PerCent { what: String, median: f64 },
+    /// Fractions of which this share is above 2, up to `highest`, look like per cent. `what` names the values, such as
+    /// "beta".
+    PerCent { what: String, share: f64, highest: f64 },
     /// The highest value of a spectrum of reflectances.
     High {
         what: String,
@@ -40,10 +49,12 @@ pub enum Doubt {
 impl Display for Doubt {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         match self {
-            Self::PerCent { what, median } => write!(
+            Self::PerCent { what, share, highest } => write!(
                 f,
-                "{what} has the median {}, where 1 is a perfect diffuser: these look like per cent; divide them by 100",
-                rounded(*median)
+                "{what} is above {FRACTION} in {} % of the values away from mirror and light, up to {}, where 1 is a perfect \
+                 diffuser: these look like per cent; divide them by 100",
+                (100.0 * share).round(),
+                rounded(*highest)
             ),
             Self::High { what, highest } => write!(
                 f,
@@ -74,22 +85,42 @@ impl Display for Doubt {
     }
 }
 
-/// What fractions (β, reflectances, transmittances; 1 is all) look like that are in per cent: their median is above 2. `None`
-/// for plausible fractions. `what` names the values, such as "beta".
-pub fn per_cent_for_fractions(what: &str, values: impl IntoIterator<Item = f64>) -> Option<Doubt> {
-    let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
-    if values.is_empty() {
-        return None;
-    }
-    let middle = values.len() / 2;
-    let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    let median = *median;
-    let what = what.into();
-    (median > FRACTION_MEDIAN).then_some(Doubt::PerCent { what, median })
+/// Whether a view may see a lobe: within 30 degrees of the mirror direction, or, for light that went through, of the
+/// straight one, or within 10 degrees of the light. Polar angles are from the normal on the viewer's side, azimuths
+/// those of light and viewer.
+pub fn in_lobe(theta_i_deg: f64, theta_o_deg: f64, phi_deg: f64) -> bool {
+    let [i, o, phi] = [theta_i_deg, theta_o_deg, phi_deg].map(f64::to_radians);
+    // The cosine of the angle to the light; with the azimuth turned by 180 degrees, to the mirror direction.
+    let cos = |towards: f64| i.cos() * o.cos() + towards * i.sin() * o.sin() * phi.cos();
+    cos(-1.0) > MIRROR_LOBE_DEG.to_radians().cos() || cos(1.0) > RETRO_LOBE_DEG.to_radians().cos()
 }
 
-/// What is doubtful about a spectrum of reflectances or brightness factors (1 is a perfect diffuser): values above 1.5, and
-/// values a little below 0, as dark subtraction leaves them. `what` names the spectrum.
+/// [`in_lobe`] of a signed view in the plane of incidence.
+pub fn in_lobe_of_plane(theta_i_deg: f64, theta_v_deg: f64) -> bool {
+    in_lobe(theta_i_deg, theta_v_deg, 180.0)
+}
+
+/// What fractions (β, reflectances, transmittances; 1 is all) look like that are in per cent: a twentieth of them or
+/// more is above 2. Readings in a lobe of gloss or of retroreflection may be, so they count only where there are no
+/// others. `readings` are values, each with whether it is in a lobe; `what` names the values, such as "beta". `None`
+/// for plausible fractions.
+pub fn per_cent_for_fractions(what: &str, readings: impl IntoIterator<Item = (f64, bool)>) -> Option<Doubt> {
+    let (lobes, others): (Vec<_>, Vec<_>) = readings
+        .into_iter()
+        .filter(|(value, _)| value.is_finite())
+        .partition(|(_, in_lobe)| *in_lobe);
+    let judged = if others.is_empty() { lobes } else { others };
+    let above = judged.iter().filter(|(value, _)| *value > FRACTION).count();
+    let share = above as f64 / judged.len().max(1) as f64;
+    (share >= SHARE).then(|| Doubt::PerCent {
+        what: what.into(),
+        share,
+        highest: judged.iter().map(|(value, _)| *value).fold(0.0, f64::max),
+    })
+}
+
+/// What is doubtful about a spectrum of reflectances or brightness factors (1 is a perfect diffuser): values above 1.5,
+/// and values a little below 0, as dark subtraction leaves them. `what` names the spectrum.
 ///
 /// # Errors
 /// A value further below 0 than a twentieth of the highest: what was expected and what was found.
@@ -143,23 +174,37 @@ pub(super) fn remedy_outside(value: f64, bounds: &impl RangeBounds<f64>) -> &'st
     }
 }
 
-/// What a particle's diameter in nm looks like that is in micrometres: below 1 nm, which no particle that scatters light has.
+/// What a particle's diameter in nm looks like that is in micrometres: below 1 nm, which no particle that scatters
+/// light has.
 pub fn particle_diameter(diameter_nm: f64) -> Option<Doubt> {
     (diameter_nm < 1.0).then_some(Doubt::ParticleDiameter { diameter_nm })
 }
 
-/// What angles in degrees look like that are in radians: three or more different ones, some beyond a tenth of a radian, and
-/// none beyond a right angle in radians. `None` for plausible degrees.
-pub fn radians_for_degrees(angles_deg: impl IntoIterator<Item = f64>) -> Option<Doubt> {
-    let mut angles: Vec<f64> = angles_deg.into_iter().map(f64::abs).collect();
-    angles.sort_by(f64::total_cmp);
-    angles.dedup();
-    let largest = *angles.last()?;
-    (angles.len() >= 3 && (0.1..=QUARTER_TURN_RAD).contains(&largest)).then_some(Doubt::Radians { largest })
+/// What polar angles and azimuths in degrees look like that are in radians: three or more different polar angles, or
+/// two and azimuths beyond them, some beyond a tenth of a radian, no polar angle beyond a right angle in radians and no
+/// azimuth beyond a turn. `None` for plausible degrees.
+pub fn radians_for_degrees(
+    polar_deg: impl IntoIterator<Item = f64>,
+    azimuths_deg: impl IntoIterator<Item = f64>,
+) -> Option<Doubt> {
+    let ascending = |angles: &mut dyn Iterator<Item = f64>| {
+        let mut angles: Vec<f64> = angles.map(f64::abs).collect();
+        angles.sort_by(f64::total_cmp);
+        angles.dedup();
+        angles
+    };
+    let polar = ascending(&mut polar_deg.into_iter());
+    let azimuths = ascending(&mut azimuths_deg.into_iter());
+    let (theta, phi) = (*polar.last()?, azimuths.last().copied().unwrap_or(0.0));
+    let several = polar.len() >= 3 || polar.len() == 2 && azimuths.len() >= 3;
+    let radians = several && (0.1..=QUARTER_TURN_RAD).contains(&theta) && phi <= TURN_RAD;
+    radians.then_some(Doubt::Radians {
+        largest: theta.max(phi),
+    })
 }
 
-/// The unit that a number in place of a wavelength in nm seems to have, and what to do. `None` from 100 nm to 3000 nm, and where
-/// no unit makes light of it.
+/// The unit that a number in place of a wavelength in nm seems to have, and what to do. `None` from 100 nm to 3000 nm,
+/// and where no unit makes light of it.
 pub fn wavelength_unit(found_nm: f64) -> Option<&'static str> {
     match found_nm {
         0.1..3.0 => Some("this looks like micrometres: multiply the wavelengths by 1000"),
@@ -186,14 +231,29 @@ mod tests {
 
     #[test]
     fn per_cent_is_recognised() {
+        let at = |in_lobe: bool| move |beta: &f64| (*beta, in_lobe);
+        let judged = |values: &[f64], lobe: &[f64]| {
+            per_cent_for_fractions("beta", values.iter().map(at(false)).chain(lobe.iter().map(at(true))))
+        };
+        // A deep red cloth in per cent: most of its wavelengths are dark.
+        let red: Vec<f64> = (0..35).map(|band| if band < 23 { 0.9 } else { 45.0 }).collect();
+        let told = judged(&red, &[]).unwrap().to_string();
         assert!(
-            per_cent_for_fractions("beta", [40.0, 38.0, 0.5])
-                .is_some_and(|doubt| doubt.to_string().contains("median 38"))
+            told.contains("above 2 in 34 % of the values") && told.contains("up to 45"),
+            "{told}"
         );
-        // A gloss peak is no per cent.
-        assert_eq!(per_cent_for_fractions("beta", [0.4, 0.5, 90.0]), None);
-        assert_eq!(per_cent_for_fractions("beta", [f64::NAN]), None);
-        assert_eq!(per_cent_for_fractions("beta", []), None);
+        // Where there is nothing but a lobe, that is judged.
+        assert!(judged(&[], &red).is_some());
+        // A gloss peak is no per cent, nor is an outlier among many readings.
+        assert_eq!(judged(&[0.4; 5], &[90.0; 20]), None);
+        assert_eq!(judged(&[&[0.4; 30][..], &[2.5]].concat(), &[]), None);
+        assert_eq!(judged(&[f64::NAN], &[]), None);
+        assert_eq!(judged(&[], &[]), None);
+        // In the plane and beyond it: mirror, light, and elsewhere.
+        let plane = [(30.0, 55.0), (30.0, -35.0), (30.0, -5.0), (45.0, 0.0)];
+        assert_eq!(plane.map(|(i, v)| in_lobe_of_plane(i, v)), [true, true, false, false]);
+        let sphere = [(60.0, 60.0, 180.0), (60.0, 60.0, 0.0), (60.0, 60.0, 90.0)];
+        assert_eq!(sphere.map(|(i, o, phi)| in_lobe(i, o, phi)), [true, true, false]);
     }
 
     #[test]
@@ -215,11 +275,19 @@ mod tests {
 
     #[test]
     fn radians_are_recognised() {
-        assert!(radians_for_degrees([0.0, -1.05, 0.52, 1.2217]).is_some());
+        let plane = |angles: &[f64]| radians_for_degrees(angles.iter().copied(), []);
+        assert!(plane(&[0.0, -1.05, 0.52, 1.2217]).is_some());
         // One incidence and view, near the normal: degrees for all one knows.
-        assert_eq!(radians_for_degrees([0.0, 0.02, -0.01]), None);
-        assert_eq!(radians_for_degrees([0.0, 1.0]), None);
-        assert_eq!(radians_for_degrees([0.0, 5.0, 10.0]), None);
+        assert_eq!(plane(&[0.0, 0.02, -0.01]), None);
+        assert_eq!(plane(&[0.0, 1.0]), None);
+        assert_eq!(plane(&[0.0, 5.0, 10.0]), None);
+        let sphere =
+            |polar: &[f64], azimuths: &[f64]| radians_for_degrees(polar.iter().copied(), azimuths.iter().copied());
+        let turns = [0.0, 1.05, 2.09, 4.71];
+        assert!(sphere(&[0.0, 0.52, 1.05], &turns).is_some_and(|doubt| doubt.to_string().contains("4.71")));
+        assert!(sphere(&[0.0, 0.78], &turns).is_some());
+        assert_eq!(sphere(&[0.0, 0.52, 1.05], &[0.0, 90.0]), None);
+        assert_eq!(sphere(&[0.0, 30.0], &turns), None);
     }
 
     #[test]

@@ -106,7 +106,7 @@ impl NumberOrTable {
 /// Yarns that light may go on to after the first it met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Bounces {
+pub enum BounceLimit {
     Most(u32),
     Word(BouncesWord),
 }
@@ -117,7 +117,7 @@ pub enum BouncesWord {
     All,
 }
 
-impl Bounces {
+impl BounceLimit {
     /// However many.
     pub const ALL: Self = Self::Word(BouncesWord::All);
 

@@ -3,11 +3,11 @@
 pub enum StudyError {
     /// Not TOML.
     #[error("{place}: {message}")]
-    Syntax { place: Box<Place>, message: String },
+    Syntax { place: Box<FileLine>, message: String },
     /// A key or a section that means nothing.
     #[error("{place}: unknown key `{key}` {section}{} {known}", did_you_mean(.suggestion))]
     UnknownKey {
-        place: Box<Place>,
+        place: Box<FileLine>,
         key: String,
         /// `in [medium]`, or `at the top level`.
         section: String,
@@ -17,7 +17,7 @@ pub enum StudyError {
     /// A value of another type than the key takes.
     #[error("{place}: `{key}`: expected {expected}, found {found}")]
     Type {
-        place: Box<Place>,
+        place: Box<FileLine>,
         key: String,
         expected: String,
         found: String,
@@ -26,7 +26,7 @@ pub enum StudyError {
     #[error("{}`{key}`: expected {expected}, found {found}; {remedy}", prefix(.place))]
     Value {
         /// None for a study that was not read from a file, or a default.
-        place: Option<Box<Place>>,
+        place: Option<Box<FileLine>>,
         key: String,
         expected: String,
         found: String,
@@ -36,13 +36,13 @@ pub enum StudyError {
 
 /// A line of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct FileLine {
     pub file: String,
     /// From 1; 0 for a default of what the file leaves out.
     pub line: usize,
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for FileLine {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.line {
             0 => f.write_str(&self.file),
@@ -58,6 +58,6 @@ fn did_you_mean(suggestion: &Option<String>) -> String {
     }
 }
 
-fn prefix(place: &Option<Box<Place>>) -> String {
+fn prefix(place: &Option<Box<FileLine>>) -> String {
     place.as_ref().map_or(String::new(), |p| format!("{p}: "))
 }

@@ -16,13 +16,13 @@ pub(super) struct Field {
     pub meaning: &'static str,
     /// Empty for a number without dimension.
     pub unit: &'static str,
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// For a key without a default: an example, as TOML.
     pub example: Option<&'static str>,
 }
 
 #[derive(Clone, Copy)]
-pub(super) enum Kind {
+pub(super) enum ValueKind {
     Number(Range),
     /// A number, or a path to a table of them over wavelength.
     NumberOrTable(Range),
@@ -111,21 +111,23 @@ impl Field {
             format!(" {}", self.unit)
         };
         match self.kind {
-            Kind::Number(range) => format!("a number, {range}{unit}"),
-            Kind::NumberOrTable(range) => format!(
+            ValueKind::Number(range) => format!("a number, {range}{unit}"),
+            ValueKind::NumberOrTable(range) => format!(
                 "a number, {range}{unit}, or a path in quotes to a CSV of such numbers, columns wavelength_nm,value, \
                  or CGATS text"
             ),
-            Kind::Numbers(range, at_least) => format!("a list of {at_least} or more numbers, each {range}{unit}"),
-            Kind::Integer(low, high) => format!("a whole number, {low} to {high}{unit}"),
-            Kind::Multiple(low, high, of) => format!("a whole number, a multiple of {of} from {low} to {high}{unit}"),
-            Kind::IntegerOr(low, high, word) => format!("a whole number, {low} to {high}, or \"{word}\""),
-            Kind::Flag => "true or false".into(),
-            Kind::Choice(choices) => format!("one of {}", quoted(choices)),
-            Kind::ChoiceOrPath(choices) => {
+            ValueKind::Numbers(range, at_least) => format!("a list of {at_least} or more numbers, each {range}{unit}"),
+            ValueKind::Integer(low, high) => format!("a whole number, {low} to {high}{unit}"),
+            ValueKind::Multiple(low, high, of) => {
+                format!("a whole number, a multiple of {of} from {low} to {high}{unit}")
+            }
+            ValueKind::IntegerOr(low, high, word) => format!("a whole number, {low} to {high}, or \"{word}\""),
+            ValueKind::Flag => "true or false".into(),
+            ValueKind::Choice(choices) => format!("one of {}", quoted(choices)),
+            ValueKind::ChoiceOrPath(choices) => {
                 format!("one of {}; or a path with a dot or slash in it", quoted(choices))
             }
-            Kind::Text => "a text in quotes, not empty".into(),
+            ValueKind::Text => "a text in quotes, not empty".into(),
         }
     }
 }

@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use super::Origin;
 use super::choices::{
-    Bounces, CentreLineChoice, DistributionChoice, EstimatorChoice, GeometryChoice, InterferenceChoice, MethodChoice,
-    NumberOrTable, ShadeWith, SurfaceChoice,
+    BounceLimit, CentreLineChoice, DistributionChoice, EstimatorChoice, GeometryChoice, InterferenceChoice,
+    MethodChoice, NumberOrTable, ShadeWith, SurfaceChoice,
 };
-use super::fields::{self, Field, Kind, Range, Section, above, below, between, closed};
+use super::fields::{self, Field, Range, Section, ValueKind, above, below, between, closed};
 use crate::cloth::Weave;
 use crate::colour::{Adaptation, Convention, Illuminant, Observer, RgbSpace};
 
@@ -30,11 +30,11 @@ const FLATTENING: Range = closed(0.2, 5.0);
 const VARIATION: Range = closed(0.0, 0.2);
 /// Of the incident flux.
 const TOLERANCE: Range = above(0.0, 1.0);
-const CELLS: Kind = Kind::Integer(1, 1000);
-const FOURS: Kind = Kind::Multiple(4, 1000, 4);
-const PATHS: Kind = Kind::Integer(2, 1_000_000_000_000);
+const CELLS: ValueKind = ValueKind::Integer(1, 1000);
+const FOURS: ValueKind = ValueKind::Multiple(4, 1000, 4);
+const PATHS: ValueKind = ValueKind::Integer(2, 1_000_000_000_000);
 /// TOML has no unsigned 64-bit integers.
-const SEED: Kind = Kind::Integer(0, i64::MAX as u64);
+const SEED: ValueKind = ValueKind::Integer(0, i64::MAX as u64);
 
 study! {
 /// A study. The default is the built-in one.
@@ -176,7 +176,7 @@ pub struct ClothSection {
     /// Light in the cloth: scattered by the yarns' f*, or traced through the medium of every yarn it meets.
     method: MethodChoice = MethodChoice::RadianceFactor, Choice(MethodChoice::NAMES), "";
     /// Yarns that light may go on to after the first it met, where yarns scatter by f*; 0 is the preprint's shading.
-    bounces: Bounces = Bounces::Most(0), IntegerOr(0, 1000, "all"), "";
+    bounces: BounceLimit = BounceLimit::Most(0), IntegerOr(0, 1000, "all"), "";
     /// What lies under the cloth: "none", "black", "white" (a perfect diffuser), or a path to a spectrum of its
     /// reflectance.
     backing: String = "none".into(), Text, "";

@@ -21,10 +21,10 @@ mod validate;
 use crate::spectrum::Samples;
 
 pub use choices::{
-    Bounces, CentreLineChoice, DistributionChoice, EstimatorChoice, GeometryChoice, InterferenceChoice, MethodChoice,
-    NumberOrTable, ShadeWith, SurfaceChoice,
+    BounceLimit, CentreLineChoice, DistributionChoice, EstimatorChoice, GeometryChoice, InterferenceChoice,
+    MethodChoice, NumberOrTable, ShadeWith, SurfaceChoice,
 };
-pub use error::{Place, StudyError};
+pub use error::{FileLine, StudyError};
 pub use keys::{
     CheckSection, ClothSection, ColourSection, MeasuredSection, MediumSection, RigSection, SpectrumSection,
     SpecularSection, Study, SweepSection, TraceSection, WeftSection, YarnSection,

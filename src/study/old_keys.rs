@@ -1,7 +1,8 @@
-//! Keys of older studies: they are still read, and a notice says what to write in their place. Each is a row of [`FORMER_KEYS`].
+//! Keys of older studies: they are still read, and a notice says what to write in their place. Each is a row of
+//! [`FORMER_KEYS`].
 
 use super::Study;
-use super::fields::{Field, Kind, closed};
+use super::fields::{Field, ValueKind, closed};
 use crate::text::is_path;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -30,7 +31,7 @@ pub(super) enum Now {
 pub(super) const FORMER_KEYS: &[FormerKey] = &[
     FormerKey {
         section: "weave",
-        field: field("draft", Kind::Text),
+        field: field("draft", ValueKind::Text),
         now: Now::Renamed {
             section: "cloth",
             key: "weave",
@@ -39,7 +40,7 @@ pub(super) const FORMER_KEYS: &[FormerKey] = &[
     },
     FormerKey {
         section: "check",
-        field: field("two_roads", Kind::Number(closed(0.0, 1.0))),
+        field: field("two_roads", ValueKind::Number(closed(0.0, 1.0))),
         now: Now::Renamed {
             section: "check",
             key: "two_estimators",
@@ -48,19 +49,19 @@ pub(super) const FORMER_KEYS: &[FormerKey] = &[
     },
     FormerKey {
         section: "cloth",
-        field: field("segments_around", Kind::Multiple(8, 1024, 4)),
+        field: field("segments_around", ValueKind::Multiple(8, 1024, 4)),
         now: Now::Dropped(SMOOTH),
     },
     FormerKey {
         section: "cloth",
-        field: field("segments_along", Kind::Integer(8, 1024)),
+        field: field("segments_along", ValueKind::Integer(8, 1024)),
         now: Now::Dropped(SMOOTH),
     },
 ];
 
 const SMOOTH: &str = "the camera sees yarns as smooth tubes, without facets";
 
-const fn field(key: &'static str, kind: Kind) -> Field {
+const fn field(key: &'static str, kind: ValueKind) -> Field {
     Field {
         key,
         meaning: "",
@@ -84,15 +85,16 @@ impl FormerKey {
         FORMER_KEYS.iter().filter(move |old| old.section == section)
     }
 
-    /// Takes the old key out of a study's table, if it has one; a key that has its value now takes it, in place of a value of its own,
-    /// as the old key had precedence.
+    /// Takes the old key out of a study's table, if it has one; a key that has its value now takes it, in place of a
+    /// value of its own, as the old key had precedence.
     pub fn apply(&self, study: &mut toml::Table) -> Option<OldKey> {
         let (old_section, key) = (self.section, self.field.key);
         let section = study.get_mut(old_section)?.as_table_mut()?;
-        let old = section.remove(key)?;
+        let old = section.remove(key);
         if section.is_empty() {
             study.remove(old_section);
         }
+        let old = old?;
         let now = match &self.now {
             Now::Renamed { section, key, text } => {
                 let value = old.as_str().map(|old| toml::Value::from(text(old))).unwrap_or(old);

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::old_keys::{OldKey, OldKeyNow};
-use super::{Place, StudyError};
+use super::{FileLine, StudyError};
 
 /// The file that a study was read from and the line of each of its keys, for messages. It says nothing of what the
 /// study asks for: studies are equal whatever their origin.
@@ -10,6 +10,8 @@ pub struct Origin {
     file: String,
     /// By `section.key`, from 1.
     lines: BTreeMap<String, usize>,
+    /// Options of the command line in place of keys, by `section.key`.
+    options: BTreeMap<String, &'static str>,
     old_keys: Vec<OldKey>,
 }
 
@@ -24,15 +26,22 @@ impl Origin {
         Self {
             file: file.into(),
             lines,
+            options: BTreeMap::new(),
             old_keys: Vec::new(),
         }
     }
 
-    /// Where a key, as `section.key`, has its value: in the file as a whole for one that it leaves out; `None` without
-    /// a file.
-    pub fn place(&self, key: &str) -> Option<Box<Place>> {
+    /// Where a key, as `section.key`, has its value: an option of the command line, or a line of the file, or the file
+    /// as a whole for one that it leaves out; `None` without a file.
+    pub fn place(&self, key: &str) -> Option<Box<FileLine>> {
+        if let Some(option) = self.options.get(key) {
+            return Some(Box::new(FileLine {
+                file: (*option).into(),
+                line: 0,
+            }));
+        }
         (!self.file.is_empty()).then(|| {
-            Box::new(Place {
+            Box::new(FileLine {
                 file: self.file.clone(),
                 line: self.lines.get(key).copied().unwrap_or(0),
             })
@@ -42,7 +51,7 @@ impl Origin {
     /// Notes that an old key is read, of which another may have the value now.
     pub(super) fn replace(&mut self, old_key: OldKey) {
         let line = self.lines.remove(&old_key.old.join(".")).unwrap_or(0);
-        let place = Place {
+        let place = FileLine {
             file: self.file.clone(),
             line,
         };
@@ -60,9 +69,9 @@ impl Origin {
         &self.old_keys
     }
 
-    /// That a key no longer has its value from the file.
-    pub fn forget(&mut self, key: &str) {
-        self.lines.remove(key);
+    /// That a key has its value from an option of the command line, and no longer from the file.
+    pub fn give(&mut self, key: &str, option: &'static str) {
+        self.options.insert(key.into(), option);
     }
 
     /// The error with the place of its key, if it has none yet.

@@ -4,24 +4,24 @@ use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
 use super::choices::GeometryChoice;
-use super::fields::{self, Field, Kind};
+use super::fields::{self, Field, ValueKind};
 use super::keys::{self, RigSection, SECTIONS, Study};
 use super::old_keys::{FORMER_KEYS, FormerKey};
-use super::{Origin, Place, StudyError};
+use super::{FileLine, Origin, StudyError};
 use crate::text::is_path;
 
 type Spanned<T> = toml::Spanned<T>;
 
 /// The text of a study file and what to call it.
-struct Source<'t> {
+struct StudyText<'t> {
     text: &'t str,
     file: &'t str,
 }
 
-impl Source<'_> {
-    fn place(&self, offset: usize) -> Box<Place> {
+impl StudyText<'_> {
+    fn place(&self, offset: usize) -> Box<FileLine> {
         let before = &self.text.as_bytes()[..offset.min(self.text.len())];
-        Box::new(Place {
+        Box::new(FileLine {
             file: self.file.into(),
             line: 1 + before.iter().filter(|b| **b == b'\n').count(),
         })
@@ -51,7 +51,13 @@ impl Source<'_> {
             place: self.place(at),
             message: match decimal_comma(line) {
                 Some([found, point]) => format!("expected a number with a decimal point, found {found}; write {point}"),
-                None => error.message().trim().replace('\n', ", "),
+                None => match error.message().trim() {
+                    "duplicate key" => {
+                        let key = error.span().map_or_else(String::new, |span| self.quote(span));
+                        format!("expected every key once, found `{key}` again")
+                    }
+                    message => message.replace('\n', ", "),
+                },
             },
         }
     }
@@ -67,7 +73,7 @@ fn decimal_comma(line: &str) -> Option<[String; 2]> {
 }
 
 pub(super) fn study(text: &str, file: &str) -> Result<Study, StudyError> {
-    let source = Source { text, file };
+    let source = StudyText { text, file };
     let document = DeTable::parse(text).map_err(|e| source.syntax(&e))?;
     let mut faults = Vec::new();
     check_table(&source, document.get_ref(), &mut faults);
@@ -94,9 +100,9 @@ pub(super) fn study(text: &str, file: &str) -> Result<Study, StudyError> {
 }
 
 /// A fault and where it is in the text.
-type Fault = (usize, StudyError);
+type KeyFault = (usize, StudyError);
 
-fn check_table(source: &Source, document: &DeTable, faults: &mut Vec<Fault>) {
+fn check_table(source: &StudyText, document: &DeTable, faults: &mut Vec<KeyFault>) {
     for (key, value) in document {
         let name = key.get_ref().as_ref();
         let offset = key.span().start;
@@ -126,7 +132,7 @@ pub(super) fn is_section(name: &str) -> bool {
     SECTIONS.iter().any(|s| !s.name.is_empty() && s.name == name) || FormerKey::of(name).next().is_some()
 }
 
-fn check_section(source: &Source, section: &str, table: &DeTable, faults: &mut Vec<Fault>) {
+fn check_section(source: &StudyText, section: &str, table: &DeTable, faults: &mut Vec<KeyFault>) {
     for (key, value) in table {
         let name = key.get_ref().as_ref();
         if let Some(field) = keys::find(section, name) {
@@ -142,7 +148,7 @@ fn check_section(source: &Source, section: &str, table: &DeTable, faults: &mut V
 
 /// Whether a value has the type of its key. Ranges are the validation's, but for whole numbers that would not fit at
 /// all.
-fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<DeValue>) -> Option<Fault> {
+fn check_value(source: &StudyText, section: &str, field: &Field, value: &Spanned<DeValue>) -> Option<KeyFault> {
     let span = value.span();
     let is_number = |v: &DeValue| v.is_float() || v.is_integer();
     let found = value.get_ref();
@@ -154,17 +160,17 @@ fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<De
         })
     };
     let fits = match field.kind {
-        Kind::Number(_) => is_number(found),
-        Kind::NumberOrTable(_) => is_number(found) || found.is_str(),
-        Kind::Numbers(..) => found
+        ValueKind::Number(_) => is_number(found),
+        ValueKind::NumberOrTable(_) => is_number(found) || found.is_str(),
+        ValueKind::Numbers(..) => found
             .as_array()
             .is_some_and(|list| list.iter().all(|v| is_number(v.get_ref()))),
-        Kind::Integer(low, high) | Kind::Multiple(low, high, _) => is_whole(low, high),
-        Kind::IntegerOr(low, high, word) => is_whole(low, high) || found.as_str() == Some(word),
-        Kind::Flag => found.is_bool(),
-        Kind::Text => found.is_str(),
-        Kind::Choice(choices) => found.as_str().is_some_and(|s| choices.contains(&s)),
-        Kind::ChoiceOrPath(choices) => found.as_str().is_some_and(|s| choices.contains(&s) || is_path(s)),
+        ValueKind::Integer(low, high) | ValueKind::Multiple(low, high, _) => is_whole(low, high),
+        ValueKind::IntegerOr(low, high, word) => is_whole(low, high) || found.as_str() == Some(word),
+        ValueKind::Flag => found.is_bool(),
+        ValueKind::Text => found.is_str(),
+        ValueKind::Choice(choices) => found.as_str().is_some_and(|s| choices.contains(&s)),
+        ValueKind::ChoiceOrPath(choices) => found.as_str().is_some_and(|s| choices.contains(&s) || is_path(s)),
     };
     if fits {
         return None;
@@ -176,7 +182,7 @@ fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<De
     );
     let quote = source.quote(span.clone());
     let error = match (field.kind, found) {
-        (Kind::Choice(choices) | Kind::ChoiceOrPath(choices), DeValue::String(text)) => StudyError::Value {
+        (ValueKind::Choice(choices) | ValueKind::ChoiceOrPath(choices), DeValue::String(text)) => StudyError::Value {
             place: Some(place),
             key,
             expected,
@@ -196,7 +202,7 @@ fn check_value(source: &Source, section: &str, field: &Field, value: &Spanned<De
     Some((span.start, error))
 }
 
-fn unknown(source: &Source, section: &str, key: &str, offset: usize) -> StudyError {
+fn unknown(source: &StudyText, section: &str, key: &str, offset: usize) -> StudyError {
     let fields = SECTIONS
         .iter()
         .find(|s| s.name == section)
@@ -236,7 +242,7 @@ fn closest<'w>(typed: &str, words: impl Iterator<Item = &'w str>) -> Option<&'w 
 }
 
 /// The lines of all keys that the text has.
-fn origin(source: &Source, document: &DeTable) -> Origin {
+fn origin(source: &StudyText, document: &DeTable) -> Origin {
     let mut lines = BTreeMap::new();
     for (name, value) in document {
         let name = name.get_ref().as_ref();

@@ -54,7 +54,7 @@ macro_rules! field {
     ($key:ident [$($meaning:literal)*] [] [$kind:expr, $unit:literal] [$($example:literal)?]) => {{
         // Rows name kinds without their enum; some are constants.
         #[allow(unused_imports)]
-        use super::fields::Kind::*;
+        use super::fields::ValueKind::*;
         Field {
             key: stringify!($key),
             meaning: concat!($($meaning),*).trim_ascii(),

@@ -2,7 +2,7 @@ use toml::Value;
 
 use super::StudyError;
 use super::choices::{CentreLineChoice, SurfaceChoice};
-use super::fields::{self, Field, Kind};
+use super::fields::{self, Field, ValueKind};
 use super::keys::{self, RigSection, SECTIONS, SpectrumSection, Study, TraceSection};
 use crate::number::shown;
 use crate::spectrum::Samples;
@@ -105,45 +105,52 @@ fn found_text(found: &Value) -> String {
 fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyError> {
     let number = |v: &Value| v.as_float().unwrap_or(f64::NAN);
     let fits = match field.kind {
-        Kind::Number(range) => range.contains(number(found)),
-        Kind::NumberOrTable(range) => match found.as_str() {
+        ValueKind::Number(range) => range.contains(number(found)),
+        ValueKind::NumberOrTable(range) => match found.as_str() {
             // A number in quotes is a slip, not a file.
             Some(path) => !path.trim().is_empty() && path.trim().parse::<f64>().is_err(),
             None => range.contains(number(found)),
         },
-        Kind::Numbers(range, at_least) => found
+        ValueKind::Numbers(range, at_least) => found
             .as_array()
             .is_some_and(|list| list.len() >= at_least && list.iter().all(|v| range.contains(number(v)))),
-        Kind::Integer(low, high) => found
+        ValueKind::Integer(low, high) => found
             .as_integer()
             .and_then(|i| u64::try_from(i).ok())
             .is_some_and(|i| (low..=high).contains(&i)),
-        Kind::Multiple(low, high, of) => found
+        ValueKind::Multiple(low, high, of) => found
             .as_integer()
             .and_then(|i| u64::try_from(i).ok())
             .is_some_and(|i| (low..=high).contains(&i) && i % of == 0),
-        Kind::ChoiceOrPath(choices) => found.as_str().is_some_and(|s| choices.contains(&s) || is_path(s)),
-        Kind::IntegerOr(low, high, word) => match found.as_str() {
+        ValueKind::ChoiceOrPath(choices) => found.as_str().is_some_and(|s| choices.contains(&s) || is_path(s)),
+        ValueKind::IntegerOr(low, high, word) => match found.as_str() {
             Some(text) => text == word,
             None => found
                 .as_integer()
                 .and_then(|i| u64::try_from(i).ok())
                 .is_some_and(|i| (low..=high).contains(&i)),
         },
-        Kind::Text => found.as_str().is_some_and(|s| !s.trim().is_empty()),
+        ValueKind::Text => found.as_str().is_some_and(|s| !s.trim().is_empty()),
         // The types admit nothing else.
-        Kind::Flag | Kind::Choice(_) => true,
+        ValueKind::Flag | ValueKind::Choice(_) => true,
     };
     if fits {
         return Ok(());
     }
-    let remedy = format!("it is: {}", field.meaning.trim_end_matches('.'));
+    let remedy = corrected(field.meaning);
     Err(value(
         fields::path(section, field.key),
         field.expected(),
         found_text(found),
         remedy,
     ))
+}
+
+fn corrected(meaning: &str) -> String {
+    format!(
+        "correct it, or leave it out for its default; it is: {}",
+        meaning.trim_end_matches('.')
+    )
 }
 
 /// [`Study::check_medium_table`], for any section.
@@ -157,7 +164,7 @@ pub(super) fn table_of(section: &str, key: &str, path: &str, values: &Samples) -
         ))
     };
     let Some(Field {
-        kind: Kind::NumberOrTable(range),
+        kind: ValueKind::NumberOrTable(range),
         unit,
         meaning,
         ..
@@ -175,7 +182,7 @@ pub(super) fn table_of(section: &str, key: &str, path: &str, values: &Samples) -
         Some((nm, found)) => fault(
             format!("each value {range} {unit}").trim_end().to_owned(),
             format!("{} at {} nm", shown(*found), shown(*nm)),
-            format!("it is: {}", meaning.trim_end_matches('.')),
+            corrected(meaning),
         ),
     }
 }

@@ -1,4 +1,5 @@
-//! Titles that columns have in the tables of instruments, spreadsheets and scripts, and the form in which they are compared.
+//! Titles that columns have in the tables of instruments, spreadsheets and scripts, and the form in which they are
+//! compared.
 
 /// Columns of this program's own tables.
 pub(super) const NAMES: [&str; 22] = [
@@ -181,8 +182,8 @@ pub(super) const MICROMETRES: &[&str] = &[
 ];
 pub(super) const ANGSTROMS: &[&str] = &["a", "angstrom", "angstroms"];
 
-/// Lower case without accents, Greek letters by name; blanks, brackets and dots are one underscore, words in one are split where
-/// a capital follows a small letter.
+/// Lower case without accents, Greek letters by name; blanks, brackets and dots are one underscore, words in one are
+/// split where a capital follows a small letter.
 pub(super) fn plain(title: &str) -> String {
     let mut plain = String::new();
     let mut was_small = false;
@@ -215,4 +216,17 @@ pub(super) fn plain(title: &str) -> String {
     }
     plain.truncate(plain.trim_end_matches('_').len());
     plain
+}
+
+/// What to do about a column of f in 1/sr, by its title.
+pub(crate) fn remedy_for_brdf(titles: &str) -> Option<&'static str> {
+    let mut words = titles.split(|c: char| !c.is_ascii_alphanumeric());
+    let is_brdf = |word: &str| {
+        ["brdf", "btdf", "bsdf", "f"]
+            .iter()
+            .any(|known| word.eq_ignore_ascii_case(known))
+    };
+    words.any(is_brdf).then_some(
+        "a BRDF or BTDF f, in 1/sr, is read as the brightness factor beta = pi f: multiply it by pi and name it beta",
+    )
 }

@@ -1,4 +1,5 @@
-//! CGATS-like text: key words, one data format, one block of data (CGATS.17, ISO 28178; Argyll's `.sp` files are of it).
+//! CGATS-like text: key words, one data format, one block of data (CGATS.17, ISO 28178; Argyll's `.sp` files are of
+//! it).
 
 use super::decimals::Decimals;
 use super::{CsvError, CsvTable, shortened};
@@ -140,13 +141,15 @@ impl Cgats {
 
     /// Key words that state for what illuminant or observer colours are worked out, with their values.
     pub(crate) fn stated(&self) -> Vec<(String, String)> {
-        const OF_COLOUR: [&str; 6] = [
+        const OF_COLOUR: [&str; 8] = [
             "ILLUMINANT",
             "ILLUMINATION",
             "ILLUMINATION_NAME",
             "OBSERVER",
             "OBSERVER_ANGLE",
             "WEIGHTING_FUNCTION",
+            "MEASUREMENT_SOURCE",
+            "COMPUTATIONAL_PARAMETER",
         ];
         let of_colour = |keyword: &&Keyword| OF_COLOUR.iter().any(|key| keyword.key.eq_ignore_ascii_case(key));
         let stated = self.keywords.iter().filter(of_colour);

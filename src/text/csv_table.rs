@@ -2,20 +2,23 @@
 
 use super::decimals::Decimals;
 use super::encoding::decode;
+use super::foreign::foreign;
 use super::records::{Record, Rows, is_comment, stated_separator};
 use super::table::{CsvError, CsvTable, shortened};
 use super::{titles, units};
 
 impl CsvTable {
-    /// Reads CSV with one header line: fields perhaps in double quotes, separated by commas, semicolons or tabs, whichever
-    /// the header has most of, by white space where it has none of them, or by the one that a first line `sep=;` names.
+    /// Reads CSV with one header line: fields perhaps in double quotes, separated by commas, semicolons or tabs,
+    /// whichever the header has most of, by white space where it has none of them, or by the one that a first line
+    /// `sep=;` names.
     ///
-    /// Passed over: comments (`#`), empty rows, empty cells behind the last column, a row of units below the header, a column of
-    /// row numbers without a title. Decimal commas are read where a comma separates nothing, and the notices say so.
+    /// Passed over: comments (`#`), empty rows, empty cells behind the last column, a row of units below the header, a
+    /// column of row numbers without a title. Decimal commas are read where a comma separates nothing, and the notices
+    /// say so.
     ///
     /// # Errors
-    /// Bytes that are no text; no header or no row; a row with more or fewer cells than the header; commas that can be decimal or
-    /// of thousands.
+    /// Bytes that are no text; no header or no row; a row with more or fewer cells than the header; commas that can be
+    /// decimal or of thousands.
     pub(crate) fn parse(name: &str, bytes: &[u8]) -> Result<Self, Box<CsvError>> {
         let (text, notice) = lines_of(name, bytes)?;
         let mut table = Self::parse_text(name, &text)?;
@@ -122,7 +125,8 @@ impl CsvTable {
         Ok(())
     }
 
-    /// Sees to columns without a title: empty ones and row numbers are dropped, names of rows are titled, others refused.
+    /// Sees to columns without a title: empty ones and row numbers are dropped, names of rows are titled, others
+    /// refused.
     fn titled(mut self) -> Result<Self, Box<CsvError>> {
         let untitled: Vec<usize> = (0..self.columns.len())
             .filter(|&c| self.columns[c].is_empty())
@@ -150,6 +154,16 @@ impl CsvTable {
 
 /// Text of a file with lines that end with `\n`, and a notice of its encoding.
 pub(crate) fn lines_of(name: &str, bytes: &[u8]) -> Result<(String, Option<String>), Box<CsvError>> {
+    if let Some(found) = foreign(bytes) {
+        return Err(Box::new(CsvError {
+            name: name.into(),
+            line: 1,
+            column: None,
+            expected: "a table as text".into(),
+            found: found.what.into(),
+            remedy: found.remedy.into(),
+        }));
+    }
     match decode(bytes) {
         Ok(decoded) => {
             let text = match decoded.text.contains('\r') {
@@ -169,8 +183,8 @@ pub(crate) fn lines_of(name: &str, bytes: &[u8]) -> Result<(String, Option<Strin
     }
 }
 
-/// A text with what instruments write before the titles made comments, and the number of such lines; `None` where the first
-/// line is no preamble, or nothing below it looks like titles.
+/// A text with what instruments write before the titles made comments, and the number of such lines; `None` where the
+/// first line is no preamble, or nothing below it looks like titles.
 fn without_preamble(text: &str) -> Option<(usize, String)> {
     /// Lines that a preamble has at most.
     const LINES: usize = 200;

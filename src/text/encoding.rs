@@ -23,8 +23,8 @@ pub(crate) struct NotText {
 
 /// Decodes the bytes of a text file.
 ///
-/// The encoding is that of a byte order mark (UTF-8, UTF-16), else that of an XML declaration, else UTF-16 where every other
-/// byte of the beginning is 0, else UTF-8. What is not UTF-8 is Windows-1252, of which Latin-1 is a part.
+/// The encoding is that of a byte order mark (UTF-8, UTF-16), else that of an XML declaration, else UTF-16 where every
+/// other byte of the beginning is 0, else UTF-8. What is not UTF-8 is Windows-1252, of which Latin-1 is a part.
 ///
 /// # Errors
 /// The first zero byte or other control character of a binary file; bytes that a stated encoding does not have.

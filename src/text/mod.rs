@@ -1,4 +1,5 @@
-//! Text files: encodings, and the grammars of tables, CSV and CGATS. What the columns of a table mean is for the stages above.
+//! Text files: encodings, and the grammars of tables, CSV and CGATS. What the columns of a table mean is for the stages
+//! above.
 
 mod aliases;
 mod bands;
@@ -6,14 +7,18 @@ mod cgats;
 mod csv_table;
 mod decimals;
 pub(crate) mod encoding;
+mod foreign;
 mod records;
 mod table;
 mod titles;
 mod units;
 
+pub(crate) use aliases::remedy_for_brdf;
 pub(crate) use bands::band_nm;
 pub(crate) use cgats::{Cgats, is_cgats};
 pub(crate) use csv_table::lines_of;
+pub use foreign::Foreign;
+pub(crate) use foreign::foreign;
 pub use table::CsvError;
 pub(crate) use table::{CsvTable, shortened};
 pub(crate) use titles::{Heading, heading};

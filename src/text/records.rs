@@ -128,7 +128,8 @@ impl<'t> Rows<'t> {
             }
             let cells: Vec<String> = self.record.iter().map(|cell| bare(cell).to_owned()).collect();
             let rest_is_empty = cells[1..].iter().all(String::is_empty);
-            // A quoted comment is one of a spreadsheet, which adds empty cells; a quoted name may begin with the mark, too.
+            // A quoted comment is one of a spreadsheet, which adds empty cells; a quoted name may begin with the mark,
+            // too.
             if cells[0].starts_with('#') && (!is_quoted || rest_is_empty || self.count == 0) {
                 comment(raw);
                 continue;

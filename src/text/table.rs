@@ -113,8 +113,8 @@ impl CsvTable {
         }
     }
 
-    /// Readings with a column a wavelength (`390`, `R390`, `390 nm`, perhaps each with one of `_se`) as readings with the columns
-    /// `wavelength_nm`, `beta` and perhaps `beta_se`, a row a wavelength; other tables as they are.
+    /// Readings with a column a wavelength (`390`, `R390`, `390 nm`, perhaps each with one of `_se`) as readings with
+    /// the columns `wavelength_nm`, `beta` and perhaps `beta_se`, a row a wavelength; other tables as they are.
     ///
     /// # Errors
     /// Errors of other wavelengths than the values.

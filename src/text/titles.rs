@@ -19,8 +19,9 @@ pub(super) fn known(title: &str) -> Option<&'static str> {
     NAMES.into_iter().find(|name| *name == plain)
 }
 
-/// The names in this program of the columns of a table, and of which of them the title says something else. Titles of angles and
-/// values, which can be anything in a table of spectra, are known where an incidence and a view stand together.
+/// The names in this program of the columns of a table, and of which of them the title says something else. Titles of
+/// angles and values, which can be anything in a table of spectra, are known where an incidence and a view stand
+/// together.
 pub(super) fn names(titles: &[String]) -> (Vec<Option<&'static str>>, Vec<String>) {
     let own: Vec<Option<&'static str>> = titles.iter().map(|title| known(title)).collect();
     let mut found = Names {

@@ -3,7 +3,7 @@
 use crate::formats::{FormatError, Text, quoted, remedy};
 
 /// `key=value` and where the key begins.
-pub(super) struct Entry<'a> {
+pub(super) struct IniEntry<'a> {
     pub(super) key: String,
     pub(super) value: &'a str,
     pub(super) at: usize,
@@ -12,7 +12,7 @@ pub(super) struct Entry<'a> {
 pub(super) struct Section<'a> {
     /// Upper case.
     pub(super) name: String,
-    pub(super) entries: Vec<Entry<'a>>,
+    pub(super) entries: Vec<IniEntry<'a>>,
     pub(super) at: usize,
 }
 
@@ -97,7 +97,7 @@ impl<'a> Ini<'a> {
                 "TEXT" => value,
                 _ => value.split(';').next().unwrap_or_default(),
             };
-            section.entries.push(Entry {
+            section.entries.push(IniEntry {
                 key: key.trim().to_ascii_uppercase(),
                 value: value.trim(),
                 at,
@@ -123,7 +123,7 @@ impl<'a> Ini<'a> {
     }
 
     /// A key's value; empty ones count as missing.
-    pub(super) fn value(&self, section: &str, key: &str) -> Option<&Entry<'a>> {
+    pub(super) fn value(&self, section: &str, key: &str) -> Option<&IniEntry<'a>> {
         let entry = self.section(section)?.entries.iter().find(|e| e.key == key)?;
         (!entry.value.is_empty()).then_some(entry)
     }

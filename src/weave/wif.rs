@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::ini::{Ini, Section};
 use super::{Thread, WeaveDraft};
 use crate::formats::{FormatError, quoted, remedy};
+use crate::number::count;
 
 /// Crossings of warp and weft a draft may have.
 const CROSSINGS: usize = 4_000_000;
@@ -104,23 +105,28 @@ pub(super) fn parse(path: &str, text: &str) -> Result<WeaveDraft, FormatError> {
             .text
             .error(threading.at, "warp threads on shafts", "none that is", remedy));
     }
-    for (numbers, words) in [
+    for (numbers, noun, [one, several]) in [
         (
             idle_picks,
-            "lift no shaft, so that nothing binds them: check treadling and tie-up, or the lift plan",
+            "pick",
+            [
+                "lifts no shaft, so that nothing binds it: check treadling and tie-up, or the lift plan",
+                "lift no shaft, so that nothing binds them: check treadling and tie-up, or the lift plan",
+            ],
         ),
         (
             idle_warps,
-            "are on no shaft, so that nothing binds them: check the threading",
+            "warp thread",
+            [
+                "is on no shaft, so that nothing binds it: check the threading",
+                "are on no shaft, so that nothing binds them: check the threading",
+            ],
         ),
     ] {
-        let what = if words.starts_with("lift") {
-            "picks"
-        } else {
-            "warp threads"
-        };
+        let words = if numbers.len() == 1 { one } else { several };
         if !numbers.is_empty() {
-            warnings.push(format!("{} {what} ({}) {words}", numbers.len(), listed(&numbers)));
+            let counted = count(numbers.len(), noun);
+            warnings.push(format!("{counted} ({}) {words}", listed(&numbers)));
         }
     }
     let rising = rising(&ini, &mut warnings)?;

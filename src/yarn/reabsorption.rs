@@ -378,10 +378,10 @@ impl Reabsorption {
         }
     }
 
-    fn range(&self, bin: usize) -> Range {
+    fn range(&self, bin: usize) -> AbsorptionRange {
         let edges = self.bins.edges_mm();
         let low_mm = if bin == 0 { 0.0 } else { edges[bin - 1] };
-        Range {
+        AbsorptionRange {
             low_mm,
             width_mm: edges.get(bin).map(|edge| edge - low_mm),
         }
@@ -404,7 +404,7 @@ struct Bin {
 
 /// Range of lengths of a bin, mm; the last bin has no width.
 #[derive(Clone, Copy, Debug)]
-struct Range {
+struct AbsorptionRange {
     low_mm: f64,
     width_mm: Option<f64>,
 }
@@ -419,7 +419,7 @@ struct Tilted {
     correction: f64,
 }
 
-impl Range {
+impl AbsorptionRange {
     /// Re-weights lengths with a given mean; the fraction `spreads` of the variance of the assumed distribution is
     /// used.
     fn tilt(&self, mean_mm: f64, change_per_mm: f64, spreads: f64) -> Tilted {
@@ -509,7 +509,7 @@ mod tests {
     /// Reference: the integral by Simpson's rule, and the derivative of its logarithm.
     #[test]
     fn a_tilted_range_has_the_integral_and_mean_of_its_density() {
-        let range = Range {
+        let range = AbsorptionRange {
             low_mm: 0.3,
             width_mm: Some(0.15),
         };
@@ -551,7 +551,7 @@ mod tests {
     #[test]
     fn one_path_alone_is_taken_at_its_length() {
         for width_mm in [Some(0.15), None] {
-            let tilted = Range { low_mm: 0.3, width_mm }.tilt(0.4, -7.0, 0.0);
+            let tilted = AbsorptionRange { low_mm: 0.3, width_mm }.tilt(0.4, -7.0, 0.0);
             assert_eq!(
                 (tilted.factor, tilted.mean_mm, tilted.correction),
                 ((7.0f64 * 0.4).exp(), 0.4, 0.0)

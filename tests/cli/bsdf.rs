@@ -1,7 +1,7 @@
 //! The full BSDF of a woven cloth: conservation, reciprocity, symmetry, and the files it is written to.
 //!
-//! Tests of means give each batch of particles random signs (`batch_statistics`): with new seeds each raises a false alarm
-//! once in a thousand times.
+//! Tests of means give each batch of particles random signs (`batch_statistics`): with new seeds each raises a false
+//! alarm once in a thousand times.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -10,7 +10,7 @@ use std::path::Path;
 use crate::batch_statistics::all_zero;
 use serde_json::Value;
 use specval::cloth::light::{Beam, ClothFraction, HemisphereNodes};
-use specval::formats::{Channels, Encoding, Format, KlemsBasis, ReadOptions, Scatter, Side, Table, direction, read};
+use specval::formats::{ChannelSet, Encoding, Format, KlemsBasis, ReadOptions, Scatter, Side, Table, direction, read};
 use specval::rig::bsdf::{Cells, Colours, FullBsdf, FullMeasurement, Symmetry, symmetries};
 use specval::run::{Plan, volumetric_cloth};
 use specval::spectrum::WavelengthGrid;
@@ -34,8 +34,8 @@ fn coarse() -> Cells {
 
 /// Independent repetitions of a measurement of `batches` batches each.
 fn repeated(plan: &Plan, cells: &Cells, group: &[Symmetry], back: bool, batches: usize, from: usize) -> Vec<FullBsdf> {
-    // Of so few random signs all agree, which no departure can exceed, in one trial of 2^15; of 12 it was in one of 2^11, too often for
-    // the false alarms asked for.
+    // Of so few random signs all agree, which no departure can exceed, in one trial of 2^15; of 12 it was in one of
+    // 2^11, too often for the false alarms asked for.
     const REPETITIONS: usize = 16;
     let cloth = volumetric_cloth(plan, PARTICLES).unwrap();
     (from..from + REPETITIONS)
@@ -241,8 +241,8 @@ fn files_hold_the_energy_of_the_ledger() {
     assert!(table.contains("study SHA-256") && table.lines().count() > 3 * 5);
 }
 
-/// Sums over patches are the ledger's energy, light through the gaps on the diagonal, to half a unit of six digits; both
-/// sides, and the diffuser's white.
+/// Sums over patches are the ledger's energy, light through the gaps on the diagonal, to half a unit of six digits;
+/// both sides, and the diffuser's white.
 #[test]
 fn klems_files_hold_both_sides() {
     let folder = tempfile::tempdir().unwrap();
@@ -262,7 +262,7 @@ fn klems_files_hold_both_sides() {
         let Table::Klems(matrix) = &component.table else {
             panic!("no Klems matrix")
         };
-        assert_eq!(component.channels, Channels::Xyz);
+        assert_eq!(component.channels, ChannelSet::Xyz);
         let basis = matrix.exiting();
         let quantity = match component.scatter {
             Scatter::Reflection => "reflectance",
@@ -304,7 +304,8 @@ fn klems_files_hold_both_sides() {
     }
 }
 
-/// What is said of a file's size before it is traced is right within an eighth, and a file that nothing would read is refused.
+/// What is said of a file's size before it is traced is right within an eighth, and a file that nothing would read is
+/// refused.
 #[test]
 fn files_too_large_to_read_are_refused_before_tracing() {
     let folder = tempfile::tempdir().unwrap();
@@ -374,7 +375,7 @@ fn bytes_do_not_depend_on_threads_and_nothing_is_replaced_unasked() {
     }
     measure(folder, "a.csv", &["--rgb", "--force"]);
     let rgb = read(&folder.join("a.csv"), &ReadOptions::default()).unwrap();
-    assert_eq!(rgb.components[0].channels, Channels::Rgb);
+    assert_eq!(rgb.components[0].channels, ChannelSet::Rgb);
     fs::remove_file(folder.join("b.csv")).unwrap();
     let before = fs::read_dir(folder).unwrap().count();
     for (arguments, word) in [
@@ -400,9 +401,9 @@ fn bytes_do_not_depend_on_threads_and_nothing_is_replaced_unasked() {
     assert_eq!(fs::read_dir(folder).unwrap().count(), before);
 }
 
-/// The full BSDF by f* is that of the medium as far as f* goes: where yarns absorb much of what they scatter, to 5 % in reflectance at
-/// normal incidence and 8 % at 60°.
-/// False alarms: 6 values of 6 standard errors each, 14 degrees of freedom, 2e-4 together.
+/// The full BSDF by f* is that of the medium as far as f* goes: where yarns absorb much of what they scatter, to 5 % in
+/// reflectance at normal incidence and 8 % at 60°. False alarms: 6 values of 6 standard errors each, 14 degrees of
+/// freedom, 2e-4 together.
 #[test]
 fn both_methods_reflect_alike() {
     let folder = tempfile::tempdir().unwrap();

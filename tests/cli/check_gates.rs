@@ -2,7 +2,7 @@
 
 use crate::command::specval;
 use serde_json::Value;
-use specval::check::{self, CheckEffort, Verdict};
+use specval::check::{self, CheckEffort, GateVerdict};
 use specval::run::Plan;
 use specval::study::Study;
 use std::fs;
@@ -128,14 +128,15 @@ fn false_alarms(runs: u64) -> Vec<(u64, Vec<&'static str>)> {
             study.seed = 1000 + seed;
             let plan = Plan::new(study).unwrap();
             let checked = check::study(&plan, CheckEffort::of_paths(4096).unwrap(), &|_| ()).unwrap();
-            let broken = checked.gates.iter().filter(|gate| gate.verdict == Verdict::Broken);
+            let broken = checked.gates.iter().filter(|gate| gate.verdict == GateVerdict::Broken);
             let broken: Vec<&str> = broken.map(|gate| gate.name).collect();
             (!broken.is_empty()).then_some((seed, broken))
         })
         .collect()
 }
 
-/// Studies at the ends of their keys' ranges, where laws hold and light is rare, all but absorbed, or turned by next to nothing.
+/// Studies at the ends of their keys' ranges, where laws hold and light is rare, all but absorbed, or turned by next to
+/// nothing.
 const VALID: [&str; 9] = [
     "[medium]\nkappa_peak = 0.1",
     "[medium]\nvolume_fraction = 0.0",
@@ -156,7 +157,7 @@ fn valid_studies_at_the_ends_of_the_ranges_break_no_law() {
             let study = Study::from_toml(&format!("{SMALL}{WIDE}{keys}\n"), "study").unwrap();
             let plan = Plan::new(study).unwrap();
             let checked = check::study(&plan, CheckEffort::of_paths(4096).unwrap(), &|_| ()).unwrap();
-            let broken = checked.gates.iter().filter(|gate| gate.verdict == Verdict::Broken);
+            let broken = checked.gates.iter().filter(|gate| gate.verdict == GateVerdict::Broken);
             let broken: Vec<String> = broken
                 .map(|gate| format!("{}: {}", gate.name, gate.message()))
                 .collect();
@@ -166,8 +167,8 @@ fn valid_studies_at_the_ends_of_the_ranges_break_no_law() {
     assert!(alarms.is_empty(), "{alarms:#?}");
 }
 
-/// White yarns that send light out all around would reflect and transmit more than all light at grazing incidence; `measure` says
-/// so on stderr and in its file, which stays one that is read.
+/// White yarns that send light out all around would reflect and transmit more than all light at grazing incidence;
+/// `measure` says so on stderr and in its file, which stays one that is read.
 #[test]
 fn grazing_incidence_is_told_of() {
     let folder = tempfile::tempdir().unwrap();
@@ -222,8 +223,9 @@ fn grazing_incidence_is_told_of() {
     assert_eq!(json("incidences_deg = [0.0]")["grazing_gains"], serde_json::json!([]));
 }
 
-/// A full measurement by f* follows light from yarn to yarn from the first yarn on, and gains no energy at grazing incidence, where
-/// shading in the sun would nearly double it: white yarns send out all light, to a tenth for the noise of few particles.
+/// A full measurement by f* follows light from yarn to yarn from the first yarn on, and gains no energy at grazing
+/// incidence, where shading in the sun would nearly double it: white yarns send out all light, to a tenth for the noise
+/// of few particles.
 #[test]
 fn full_measurements_by_factors_gain_nothing_at_grazing_incidence() {
     let folder = tempfile::tempdir().unwrap();

@@ -452,9 +452,160 @@ fn help_and_version_name_the_program() {
             &["satin-5", "cie1964-10deg", "D50", "merl-red-fabric2"],
         ),
         (["convert", "--help"], &["ssdd-binary", "klems"]),
+        // What a command's own words say beside the line of the list.
+        (["help", "mie"], &["q_back = 4 |S(180°)|²/x²"]),
+        (["help", "check"], &["Exit code 0: all hold"]),
+        (["help", "reabsorb"], &["the BSSRDF is left out"]),
         (["bsdf", "--help"], &["ssdd-binary", "reflection or transmission"]),
     ] {
         let help = of_command(&arguments);
         assert!(words.iter().all(|word| help.contains(word)), "{words:?} in {help}");
     }
+}
+
+/// Infrared alone: without a dye that absorbs, no table of one is needed, and spectra need no colour.
+#[test]
+fn wavelengths_without_dye_or_colour_are_simulated_where_they_can_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let rest = "[rig]\npixels_per_side = 8\n[spectrum]\nwavelengths_nm = [850]\n";
+    let (clear, dyed) = (path("clear.toml"), path("dyed.toml"));
+    std::fs::write(&clear, format!("{rest}[medium]\nkappa_peak = 0\n")).unwrap();
+    std::fs::write(&dyed, rest).unwrap();
+    for arguments in [
+        ["measure", &clear, "--out", &path("a.csv"), "--paths", "64"],
+        ["bsdf", &clear, "--out", &path("a.ssdd"), "--paths", "64"],
+        ["trace", &clear, "--out", &path("a.trace"), "--paths", "64"],
+    ] {
+        let output = specval(&arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+    }
+    let message = refusal(&["measure", &dyed, "--out", &path("b.csv")]);
+    assert!(
+        message.contains("`medium.dye`") && message.contains("set `medium.kappa_peak` to 0"),
+        "{message}"
+    );
+    for arguments in [
+        &["report", &clear, "--out", &path("c"), "--paths", "64"][..],
+        &["bsdf", &clear, "--out", &path("c.xml"), "--paths", "64"],
+    ] {
+        let message = refusal(arguments);
+        assert!(
+            message.contains("clear.toml, line 4: `spectrum.wavelengths_nm`"),
+            "{message}"
+        );
+        assert!(message.contains("write spectra and need no colour"), "{message}");
+    }
+}
+
+/// Messages name options and keys that exist, and what to do.
+#[test]
+fn messages_name_what_was_typed_and_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("s.toml").to_str().unwrap().to_owned();
+    let curves = folder.path().join("curves.csv").to_str().unwrap().to_owned();
+    std::fs::write(
+        &curves,
+        "theta_i_deg,theta_v_deg,source,channel,beta,se\n0,0,model,r,0.2,0.01\n",
+    )
+    .unwrap();
+    let brdf = folder.path().join("brdf.csv").to_str().unwrap().to_owned();
+    std::fs::write(&brdf, "theta_i_deg,theta_v_deg,wavelength_nm,BRDF\n0,0,500,0.1\n").unwrap();
+    std::fs::write(&study, "[trace]\ntilts = 3\n").unwrap();
+    for (arguments, words) in [
+        (
+            ["report", &study, "--measured", "nosuch"],
+            "--measured: `measured.sample`: sample 'nosuch' is not known",
+        ),
+        (
+            ["report", &study, "--measured", &curves],
+            "the curves of a report (curves.csv); give the sample's own readings",
+        ),
+        (
+            ["report", &study, "--measured", &brdf],
+            "beta = pi f: multiply it by pi",
+        ),
+    ] {
+        let message = refusal(&arguments);
+        assert!(message.contains(words), "{message}");
+    }
+    for (text, words) in [
+        (
+            "[trace]\ntilts = 3\ntilts = 4\n",
+            "line 3: expected every key once, found `tilts` again; mend the line",
+        ),
+        (
+            "[yarn]\nradius_mm = -1\n",
+            "found -1; correct it, or leave it out for its default; it is: Radius",
+        ),
+        (
+            "[medium]\ndye = \"rde\"\n",
+            "take one of these names, or the path of a table",
+        ),
+        (
+            "[cloth]\ncentre_line = \"sinusoid\"\nspacing_diameters = 1.1\n",
+            "its own radius 0.15 mm; increase it",
+        ),
+    ] {
+        std::fs::write(&study, text).unwrap();
+        let message = refusal(&["report", &study]);
+        assert!(message.contains(words) && !message.contains("_spacing_mm"), "{message}");
+    }
+}
+
+/// Per cent and radians are told by `inspect` whatever the layout.
+#[test]
+fn inspect_tells_of_units() {
+    let folder = tempfile::tempdir().unwrap();
+    let red = |nm: u32| if nm < 600 { 0.9 } else { 45.0 };
+    let bands: Vec<u32> = (390..=730).step_by(10).collect();
+    let mut readings = "theta_i_deg,theta_v_deg,wavelength_nm,beta\n".to_owned();
+    let mut spectra = "wavelength_nm,red\n".to_owned();
+    for &nm in &bands {
+        spectra += &format!("{nm},{}\n", red(nm));
+        readings += &[-60, -30, 0, 45]
+            .map(|view| format!("0,{view},{nm},{}\n", red(nm)))
+            .concat();
+    }
+    let fields: Vec<String> = bands.iter().map(|nm| format!("SPEC_{nm}")).collect();
+    let values: Vec<String> = bands.iter().map(|&nm| red(nm).to_string()).collect();
+    let cgats = format!(
+        "BEGIN_DATA_FORMAT\nSAMPLE_ID {}\nEND_DATA_FORMAT\nBEGIN_DATA\n1 {}\nEND_DATA\n",
+        fields.join(" "),
+        values.join(" ")
+    );
+    let mut sphere = "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,beta\n".to_owned();
+    for theta_o in [0.0, 0.52, 1.05] {
+        sphere += &[0.0, 1.05, 2.09, 4.71]
+            .map(|phi| format!("0,0,{theta_o},{phi},0.3\n"))
+            .concat();
+    }
+    for (name, text, words) in [
+        (
+            "readings.csv",
+            readings,
+            "up to 45, where 1 is a perfect diffuser: these look like per cent",
+        ),
+        ("spectra.csv", spectra, "if these are per cent, divide them by 100"),
+        ("spectra.txt", cgats, "if these are per cent, divide them by 100"),
+        ("sphere.csv", sphere, "no angle is beyond 4.71: these look like radians"),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let output = specval(&["inspect", path.to_str().unwrap()]);
+        let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(shown.contains(words), "{name}: {shown}{}", stderr(&output));
+    }
+    let study = folder.path().join("s.toml");
+    std::fs::write(&study, "[rig]\nincidences_deg = [0, 0.52, 1.05]\npixels_per_side = 8\n").unwrap();
+    let out = folder.path().join("o.csv");
+    let output = specval(&[
+        "measure",
+        study.to_str().unwrap(),
+        "--paths",
+        "64",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert!(stderr(&output).contains("notice: `rig.incidences_deg`: no angle is beyond 1.05: these look like radians"));
 }

@@ -1,5 +1,5 @@
-//! The memory that a run really takes, against the estimate that decides whether it begins. Linux alone tells the peak of a process
-//! while it runs.
+//! The memory that a run really takes, against the estimate that decides whether it begins. Linux alone tells the peak
+//! of a process while it runs.
 #![cfg(target_os = "linux")]
 
 use specval::run::{Stage, memory_bytes};
@@ -36,8 +36,8 @@ fn peak(study: &str, arguments: &[&str]) -> f64 {
     largest
 }
 
-/// Within a factor 1.5, over grids of f*, geometries, wavelengths, camera rays, batches, yarns and methods. Tables that few paths leave
-/// empty in part take less than is estimated, so the BSSRDF has more paths.
+/// Within a factor 1.5, over grids of f*, geometries, wavelengths, camera rays, batches, yarns and methods. Tables that
+/// few paths leave empty in part take less than is estimated, so the BSSRDF has more paths.
 #[test]
 fn estimates_are_within_a_factor_of_the_peak() {
     const REPORT: [&str; 6] = ["report", "study.toml", "--paths", "64", "--out", "out"];

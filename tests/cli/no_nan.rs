@@ -142,3 +142,30 @@ fn a_clear_yarn_absorbs_and_scatters_nothing() {
     }
     assert!(rows > 1000, "{rows}");
 }
+
+/// Readings whose errors are 0 have no z.
+#[test]
+fn a_check_of_readings_without_error_writes_numbers_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut csv = "theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b,beta_r_se,beta_g_se,beta_b_se\n".to_owned();
+    for theta_i in [0, 30] {
+        for theta_v in (-60..=60).step_by(20) {
+            csv += &format!("{theta_i},{theta_v},0.3,0.2,0.1,0,0,0\n");
+        }
+    }
+    fs::write(folder.path().join("s.csv"), csv).unwrap();
+    for arguments in [
+        &["check", "--sample", "s.csv", "--junit", "j.xml"][..],
+        &["check", "--sample", "s.csv", "--json", "--github"],
+    ] {
+        let output = specval(folder.path(), arguments);
+        let [stdout, stderr] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        assert!(stdout.contains("sample-energy"), "{stdout}{stderr}");
+        for (name, text) in [("stdout".into(), stdout), ("stderr".into(), stderr)]
+            .into_iter()
+            .chain(texts(folder.path()))
+        {
+            assert_eq!(unfit(&text), Vec::<String>::new(), "{arguments:?}: {name}: {text}");
+        }
+    }
+}

@@ -1,4 +1,5 @@
-//! Where results go: no input is written over, a file that exists needs `--force`, a set is written whole or not at all.
+//! Where results go: no input is written over, a file that exists needs `--force`, a set is written whole or not at
+//! all.
 
 use crate::command::specval;
 use std::fs;
@@ -402,4 +403,113 @@ fn a_file_of_another_kind_is_told_by_what_it_is() {
         let shown = String::from_utf8(output.stdout).unwrap();
         assert!(words.iter().all(|words| shown.contains(words)), "{file}: {shown}");
     }
+}
+
+/// Usual things that are given in place of a table, in every place that reads one.
+#[test]
+fn foreign_files_are_named_wherever_they_are_read() {
+    let folder = folder();
+    let here = folder.path();
+    fs::write(
+        here.join("s.csv"),
+        "wavelength_nm,a\n400,0.5\n500,0.5\n600,0.5\n700,0.5\n",
+    )
+    .unwrap();
+    for (file, bytes, words) in [
+        (
+            "a.csv.gz",
+            &b"\x1f\x8b\x08\x08\0\0\0\0"[..],
+            "found a gzip archive; unpack it",
+        ),
+        (
+            "a.xlsx",
+            b"PK\x03\x04\x14\0\x06\0[Content_Types].xml",
+            "found a spreadsheet; save the sheet as CSV",
+        ),
+        ("a.zip", b"PK\x03\x04\x14\0\0\0a.csv", "found a ZIP archive; unpack it"),
+        ("a.pdf", b"%PDF-1.7\n", "found a PDF document; give the table"),
+        (
+            "a.htm",
+            b"<!DOCTYPE html>\n<html><body>x",
+            "found a web page (HTML); download the file itself",
+        ),
+        (
+            "a.json",
+            b"{\"data\": [1, 2]}",
+            "found a JSON document; export its values as CSV",
+        ),
+        (
+            "a.txt",
+            b"404: Not Found",
+            "found the error message of a web server; download",
+        ),
+        (
+            "a.csv",
+            b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n",
+            "`git lfs pull`",
+        ),
+    ] {
+        fs::write(here.join(file), bytes).unwrap();
+        fs::write(here.join("dye.toml"), format!("[medium]\ndye = \"./{file}\"\n")).unwrap();
+        let illuminant = format!("./{file}");
+        for arguments in [
+            &["report", "--measured", file][..],
+            &["report", file],
+            &["check", "--sample", file],
+            &["inspect", file],
+            &["convert", file, "x.csv"],
+            &["colour", file],
+            &["colour", "s.csv", "--illuminant", &illuminant],
+            &["weave", file],
+            &["medium", "dye.toml"],
+        ] {
+            refuse(here, arguments, words);
+        }
+    }
+}
+
+/// Places that are none for a folder or a file, and a study that comes through a pipe.
+#[cfg(unix)]
+#[test]
+fn devices_slashes_and_stdin() {
+    let folder = folder();
+    let here = folder.path();
+    for (arguments, words) in [
+        (
+            &["init", "/dev/null"][..],
+            "/dev/null: expected a folder, found a device or a pipe; name a folder",
+        ),
+        (
+            &["report", "s.toml", "--out", "/dev/null"],
+            "/dev/null: expected a folder, found a device",
+        ),
+        (
+            &["measure", "s.toml", "--out", "x.csv/"],
+            "x.csv/: expected a file, found the name of a folder",
+        ),
+    ] {
+        refuse(here, arguments, words);
+    }
+    let study = fs::File::open(here.join("s.toml")).unwrap();
+    let mut piped = crate::command::command(here, &["measure", "-", "--out", "piped.csv"]);
+    let output = piped.stdin(study).output().unwrap();
+    assert!(output.status.success(), "{}", message(&output));
+    succeed(here, &["measure", "s.toml", "--out", "named.csv"]);
+    let [piped, named] = ["piped.csv", "named.csv"].map(|file| fs::read(here.join(file)).unwrap());
+    assert!(!named.is_empty() && piped == named);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_device_names_stdout() {
+    let folder = folder();
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let mut command = crate::command::command(folder.path(), &["medium", "s.toml"]);
+    let output = command.stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let message = message(&output);
+    assert!(
+        message.starts_with("error: stdout: cannot be written; free space"),
+        "{message}"
+    );
 }

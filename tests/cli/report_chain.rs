@@ -367,7 +367,8 @@ fn bad_samples_are_refused_by_row_and_column() {
     }
 }
 
-/// A sample of 45° alone is compared where it was measured; angles typed in `[rig]` win, and what they leave out is named.
+/// A sample of 45° alone is compared where it was measured; angles typed in `[rig]` win, and what they leave out is
+/// named.
 #[test]
 fn every_reading_of_a_sample_without_the_normal_is_accounted_for() {
     let folder = tempfile::tempdir().unwrap();
@@ -429,7 +430,8 @@ fn rows_of(path: &Path, source: &str) -> Vec<csv::StringRecord> {
     rows(path).into_iter().filter(|row| &row[2] == source).collect()
 }
 
-/// Two samples and one without readings: the first normalises the curves, each has its own errors, and none changes the others.
+/// Two samples and one without readings: the first normalises the curves, each has its own errors, and none changes the
+/// others.
 #[test]
 fn samples_are_compared_side_by_side() {
     let folder = tempfile::tempdir().unwrap();

@@ -154,7 +154,8 @@ fn long_runs_are_told_of_and_endless_ones_refused() {
     assert!(error.contains(" years on one core; reduce it"), "{error}");
 }
 
-/// Particles too large for a phase table: the message names the key, its line and what to do, also where a weft has it from the warp.
+/// Particles too large for a phase table: the message names the key, its line and what to do, also where a weft has it
+/// from the warp.
 #[test]
 fn errors_of_a_medium_name_the_line_of_the_key() {
     let error = |text: &str| match Plan::new(Study::from_toml(text, "my.toml").unwrap()) {
@@ -179,5 +180,44 @@ fn errors_of_a_medium_name_the_line_of_the_key() {
         let message = error(&format!("{spectrum}{text}"));
         assert!(message.starts_with(place), "{message}");
         assert!(message.contains("take smaller particles"), "{message}");
+    }
+}
+
+/// Every command looks at its memory before it takes any.
+#[test]
+fn no_command_allocates_beyond_the_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let cells = "tilts = 200\nexit_theta_cells = 1000\nexit_phi_cells = 1000\n";
+    let all = "exit_azimuth_cells = 1000\nzenith_cells = 1000\nazimuth_cells = 1000\nbssrdf_azimuth_cells = 1000\n\
+               bssrdf_exit_theta_cells = 1000\nbssrdf_exit_phi_cells = 1000\nz_cells = 1000\nbatches = 10000\n\
+               [rig]\npixels_per_side = 10000\n";
+    for (name, text) in [("cells", cells.to_owned()), ("all", format!("{cells}{all}"))] {
+        let study = format!("{name}.toml");
+        std::fs::write(folder.path().join(&study), format!("[trace]\n{text}")).unwrap();
+        for arguments in [
+            &["measure", &study, "--paths", "10000", "--out", "x.csv"][..],
+            &["trace", &study, "--paths", "10000", "--out", "x.trace"],
+            &[
+                "trace", &study, "--paths", "10000", "--shard", "1/2", "--out", "x.shard",
+            ],
+            &["report", &study, "--paths", "10000", "--out", "x"],
+            &["check", &study],
+            &[
+                "bsdf",
+                &study,
+                "--method",
+                "radiance-factor",
+                "--paths",
+                "10000",
+                "--out",
+                "x.ssdd",
+            ],
+        ] {
+            let output = crate::command::specval(folder.path(), arguments);
+            let message = String::from_utf8(output.stderr).unwrap();
+            assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+            let refused = message.contains(" of memory where ") && message.contains(&format!("{study}, line "));
+            assert!(refused && message.contains(": `trace."), "{arguments:?}: {message}");
+        }
     }
 }

@@ -335,7 +335,7 @@ fn kill_when(folder: &Path, arguments: &[&str], it_is_time: impl Fn() -> bool) {
 
 /// Batches of the state.
 fn batches(folder: &Path) -> u64 {
-    let file = specval::artefact::Reader::open(folder.join(STATE), specval::artefact::Kind::State).unwrap();
+    let file = specval::artefact::Reader::open(folder.join(STATE), specval::artefact::ArtefactKind::State).unwrap();
     file.header()["batches"].as_u64().unwrap()
 }
 

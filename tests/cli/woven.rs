@@ -102,7 +102,8 @@ fn methods_bounces_and_backings() {
     );
 }
 
-/// Yarns and backing that absorb nothing: what is left out of the light stands in columns of its own, and `absorbed` is 0.
+/// Yarns and backing that absorb nothing: what is left out of the light stands in columns of its own, and `absorbed` is
+/// 0.
 #[test]
 fn absorbed_is_absorption_alone() {
     let folder = tempfile::tempdir().unwrap();

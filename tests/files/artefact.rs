@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use specval::artefact::{ArrayInfo, ArtefactError, Element, ElementType, Identity, Kind, Reader, Writer};
+use specval::artefact::{ArrayInfo, ArtefactError, ArtefactKind, Element, ElementType, Identity, Reader, Writer};
 use std::error::Error;
 use std::fs;
 use std::io::{Seek, SeekFrom, Write};
@@ -45,7 +45,7 @@ fn header() -> Value {
     json!({"wavelength_nm": [380.0, 0.1 + 0.2], "batch": 3, "note": "line\nend"})
 }
 
-fn write(path: &Path, kind: Kind) -> Result<(), ArtefactError> {
+fn write(path: &Path, kind: ArtefactKind) -> Result<(), ArtefactError> {
     let mut writer = Writer::create(path, kind, &identity(), &header(), &arrays())?;
     writer.append("mean", MEAN[..4].iter().copied())?;
     writer.append("mean", MEAN[4..].iter().copied())?;
@@ -58,7 +58,7 @@ fn write(path: &Path, kind: Kind) -> Result<(), ArtefactError> {
 fn state() -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.state");
-    write(&path, Kind::State).unwrap();
+    write(&path, ArtefactKind::State).unwrap();
     (folder, path)
 }
 
@@ -75,7 +75,7 @@ fn names(folder: &TempDir) -> Vec<String> {
 fn everything_reads_back() {
     let (folder, path) = state();
     assert_eq!(names(&folder), ["run.state"]);
-    let mut reader = Reader::open(&path, Kind::State).unwrap();
+    let mut reader = Reader::open(&path, ArtefactKind::State).unwrap();
     assert_eq!(reader.identity(), &identity());
     reader.expect(&identity()).unwrap();
     assert_eq!(reader.header(), &header());
@@ -133,13 +133,13 @@ fn every_flipped_bit_is_refused() {
     for (i, &byte) in whole.iter().enumerate() {
         for bit in 0..8 {
             put(i, byte ^ 1 << bit);
-            let error = Reader::open(&path, Kind::State).expect_err(&format!("bit {bit} of byte {i}"));
+            let error = Reader::open(&path, ArtefactKind::State).expect_err(&format!("bit {bit} of byte {i}"));
             assert!(error.to_string().contains("run.state: expected "), "{error}");
         }
         put(i, byte);
     }
     assert_eq!(fs::read(&path).unwrap(), whole, "reading never writes");
-    Reader::open(&path, Kind::State).unwrap();
+    Reader::open(&path, ArtefactKind::State).unwrap();
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn every_other_length_is_refused() {
     let file = fs::OpenOptions::new().write(true).open(&path).unwrap();
     for length in (0..=expected + 1).rev().filter(|length| *length != expected) {
         file.set_len(length).unwrap();
-        let error = Reader::open(&path, Kind::State).expect_err(&format!("{length} bytes"));
+        let error = Reader::open(&path, ArtefactKind::State).expect_err(&format!("{length} bytes"));
         assert!(error.to_string().contains("run.state: expected "), "{error}");
         let arrays_are_declared = length + 100 > expected;
         let by_size =
@@ -161,12 +161,12 @@ fn every_other_length_is_refused() {
 #[test]
 fn other_kinds_versions_and_programs_are_refused() {
     let (folder, path) = state();
-    let error = Reader::open(&path, Kind::Shard).unwrap_err();
+    let error = Reader::open(&path, ArtefactKind::Shard).unwrap_err();
     assert!(matches!(
         error,
         ArtefactError::OtherKind {
-            expected: Kind::Shard,
-            found: Kind::State,
+            expected: ArtefactKind::Shard,
+            found: ArtefactKind::State,
             ..
         }
     ));
@@ -178,7 +178,7 @@ fn other_kinds_versions_and_programs_are_refused() {
     let mut newer = fs::read(&path).unwrap();
     newer["specval-state ".len()] = b'2';
     fs::write(&path, newer).unwrap();
-    let error = Reader::open(&path, Kind::State).unwrap_err();
+    let error = Reader::open(&path, ArtefactKind::State).unwrap_err();
     assert!(matches!(error, ArtefactError::OtherVersion { found: 2, .. }), "{error}");
     assert!(
         error.to_string().contains("format version 1, found version 2"),
@@ -191,13 +191,13 @@ fn other_kinds_versions_and_programs_are_refused() {
         (b"\x89PNG\r\n", "PNG\\r"),
     ] {
         fs::write(&path, bytes).unwrap();
-        let error = Reader::open(&path, Kind::State).unwrap_err();
+        let error = Reader::open(&path, ArtefactKind::State).unwrap_err();
         assert!(matches!(error, ArtefactError::NotOurs { .. }), "{error}");
         assert!(error.to_string().contains(shown), "{error}");
     }
-    let error = Reader::open(folder.path(), Kind::State).unwrap_err();
+    let error = Reader::open(folder.path(), ArtefactKind::State).unwrap_err();
     assert!(matches!(error, ArtefactError::NotAFile { .. }), "{error}");
-    let error = Reader::open(folder.path().join("absent"), Kind::State).unwrap_err();
+    let error = Reader::open(folder.path().join("absent"), ArtefactKind::State).unwrap_err();
     assert!(
         matches!(error, ArtefactError::NotReadable { .. }) && error.source().is_some(),
         "{error}"
@@ -228,7 +228,7 @@ fn inconsistent_headers_with_a_valid_checksum_are_refused() {
         bytes.extend(&whole[whole.len() - 32 - 76..whole.len() - 32]);
         bytes.extend(Sha256::digest(&bytes));
         fs::write(&path, bytes).unwrap();
-        let error = Reader::open(&path, Kind::State).expect_err(to);
+        let error = Reader::open(&path, ArtefactKind::State).expect_err(to);
         assert!(
             matches!(error, ArtefactError::Damaged { .. } | ArtefactError::Size { .. }),
             "{error}"
@@ -239,7 +239,7 @@ fn inconsistent_headers_with_a_valid_checksum_are_refused() {
 #[test]
 fn files_of_another_run_are_refused_by_the_settings_that_differ() {
     let (_folder, path) = state();
-    let reader = Reader::open(&path, Kind::State).unwrap();
+    let reader = Reader::open(&path, ArtefactKind::State).unwrap();
     let mut other = settings();
     other["trace"]["batches"] = json!(16);
     other["rig"]["incidences_deg"][2] = json!(45.0);
@@ -292,7 +292,7 @@ fn the_program_version_is_part_of_the_identity() {
     }
     bytes.extend(Sha256::digest(&bytes));
     fs::write(&path, bytes).unwrap();
-    let reader = Reader::open(&path, Kind::State).unwrap();
+    let reader = Reader::open(&path, ArtefactKind::State).unwrap();
     assert_eq!(reader.version(), "0.0.9");
     let text = reader.expect(&identity()).unwrap_err().to_string();
     assert!(text.contains("`version`: expected"), "{text}");
@@ -321,7 +321,7 @@ fn an_interrupted_write_leaves_the_old_file() {
         |w| w.append("absent", MEAN),
     ];
     for (i, step) in steps.into_iter().enumerate() {
-        let create = || Writer::create(&path, Kind::State, &identity(), &json!(null), &arrays()).unwrap();
+        let create = || Writer::create(&path, ArtefactKind::State, &identity(), &json!(null), &arrays()).unwrap();
         let mut writer = create();
         assert_eq!(names(&folder).len(), 2, "beside its place");
         let _ = step(&mut writer);
@@ -340,7 +340,7 @@ fn an_interrupted_write_leaves_the_old_file() {
     }
 
     // An error that was passed over spoils the file for good.
-    let mut writer = Writer::create(&path, Kind::State, &identity(), &header(), &arrays()).unwrap();
+    let mut writer = Writer::create(&path, ArtefactKind::State, &identity(), &header(), &arrays()).unwrap();
     assert!(writer.append("mean", MEAN.into_iter().chain([7.0])).is_err());
     writer.append("se", SE).unwrap();
     writer.append("paths", PATHS).unwrap();
@@ -353,16 +353,16 @@ fn two_writers_of_one_place_do_not_mix() {
     let (folder, path) = state();
     let create = |n: u64| {
         let one = [array("n", &[], ElementType::U64)];
-        let mut writer = Writer::create(&path, Kind::State, &identity(), &json!(null), &one).unwrap();
+        let mut writer = Writer::create(&path, ArtefactKind::State, &identity(), &json!(null), &one).unwrap();
         writer.append("n", [n]).unwrap();
         writer
     };
     let (first, second) = (create(1), create(2));
     first.finish().unwrap();
-    let mut held = Reader::open(&path, Kind::State).unwrap();
+    let mut held = Reader::open(&path, ArtefactKind::State).unwrap();
     second.finish().unwrap();
     assert_eq!(held.array::<u64>("n", &[]).unwrap(), [1]);
-    let mut last = Reader::open(&path, Kind::State).unwrap();
+    let mut last = Reader::open(&path, ArtefactKind::State).unwrap();
     assert_eq!(last.array::<u64>("n", &[]).unwrap(), [2]);
     assert_eq!(names(&folder), ["run.state"]);
 }
@@ -370,7 +370,8 @@ fn two_writers_of_one_place_do_not_mix() {
 #[test]
 fn unwritable_places_are_refused_before_any_work() {
     let (folder, path) = state();
-    let create = |path: &Path| Writer::create(path, Kind::State, &identity(), &header(), &arrays()).unwrap_err();
+    let create =
+        |path: &Path| Writer::create(path, ArtefactKind::State, &identity(), &header(), &arrays()).unwrap_err();
     let error = create(&folder.path().join("absent/run.state"));
     assert!(matches!(error, ArtefactError::NotWritable { .. }), "{error}");
     let error = create(&path.join("below"));
@@ -381,7 +382,7 @@ fn unwritable_places_are_refused_before_any_work() {
     }
 
     let refused = |header: Value, arrays: &[ArrayInfo]| {
-        let error = Writer::create(&path, Kind::State, &identity(), &header, arrays).unwrap_err();
+        let error = Writer::create(&path, ArtefactKind::State, &identity(), &header, arrays).unwrap_err();
         assert!(matches!(error, ArtefactError::Undeclared { .. }), "{error}");
     };
     let twice = array("a", &[1], ElementType::F64);
@@ -395,21 +396,21 @@ fn unwritable_places_are_refused_before_any_work() {
 #[cfg(unix)]
 #[test]
 fn links_and_devices_stay_what_they_are() {
-    write(Path::new("/dev/null"), Kind::State).unwrap();
+    write(Path::new("/dev/null"), ArtefactKind::State).unwrap();
     assert!(!Path::new("/dev/null").is_file());
     let (folder, path) = state();
     let link = folder.path().join("link");
     std::os::unix::fs::symlink(&path, &link).unwrap();
     fs::write(&path, "old").unwrap();
-    write(&link, Kind::State).unwrap();
+    write(&link, ArtefactKind::State).unwrap();
     assert!(link.is_symlink());
-    Reader::open(&path, Kind::State).unwrap();
+    Reader::open(&path, ArtefactKind::State).unwrap();
 }
 
 #[test]
 fn other_shapes_and_elements_are_refused() {
     let (_folder, path) = state();
-    let mut reader = Reader::open(&path, Kind::State).unwrap();
+    let mut reader = Reader::open(&path, ArtefactKind::State).unwrap();
     let text = reader.array::<f64>("mean", &[3, 2]).unwrap_err().to_string();
     assert!(
         text.contains("run.state: array `mean`: expected f64 [3, 2], found f64 [2, 3]"),
@@ -428,7 +429,7 @@ fn through_a_file<T: Element>(values: &[T], written: usize, read: usize) -> Vec<
     let shape = [values.len()];
     let mut writer = Writer::create(
         &path,
-        Kind::Shard,
+        ArtefactKind::Shard,
         &identity(),
         &json!({}),
         &[array("x", &shape, T::TYPE)],
@@ -438,7 +439,7 @@ fn through_a_file<T: Element>(values: &[T], written: usize, read: usize) -> Vec<
         writer.append("x", piece.iter().copied()).unwrap();
     }
     writer.finish().unwrap();
-    let mut reader = Reader::open(&path, Kind::Shard).unwrap();
+    let mut reader = Reader::open(&path, ArtefactKind::Shard).unwrap();
     let mut back = vec![T::default(); values.len()];
     for (i, piece) in back.chunks_mut(read).enumerate() {
         reader.read_part("x", &shape, i * read, piece).unwrap();
@@ -479,8 +480,8 @@ proptest! {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("state");
         let identity = Identity::new(seed, &json!({"values": values})).unwrap();
-        Writer::create(&path, Kind::State, &identity, &json!(values), &[]).unwrap().finish().unwrap();
-        let reader = Reader::open(&path, Kind::State).unwrap();
+        Writer::create(&path, ArtefactKind::State, &identity, &json!(values), &[]).unwrap().finish().unwrap();
+        let reader = Reader::open(&path, ArtefactKind::State).unwrap();
         prop_assert!(reader.expect(&identity).is_ok());
         let back: Vec<u64> = reader.header().as_array().unwrap().iter().map(|v| v.as_f64().unwrap().to_bits()).collect();
         prop_assert_eq!(back, values.iter().map(|v| v.to_bits()).collect::<Vec<_>>());

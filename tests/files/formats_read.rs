@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use specval::formats::{
-    AngleUnit, Channels, Format, Goniometric, Parameters, Placement, Quantity, ReadOptions, Scatter, Side, Table,
+    AngleUnit, ChannelSet, Format, Goniometric, Parameters, Placement, Quantity, ReadOptions, Scatter, Side, Table,
     direction, parse, read,
 };
 use specval::geometry::Vec3;
@@ -19,7 +19,8 @@ fn degrees(theta: f64, phi: f64) -> Vec3 {
     direction(theta.to_radians(), phi.to_radians())
 }
 
-/// f of the 13 nodes in the mirror direction of `lbgen_roughdiffuse_mono.ddr` at an incidence, from the numbers of the file.
+/// f of the 13 nodes in the mirror direction of `lbgen_roughdiffuse_mono.ddr` at an incidence, from the numbers of the
+/// file.
 fn rough_diffuse_columns(theta_i_deg: f64) -> Vec<f64> {
     let text = std::fs::read_to_string(golden("lbgen_roughdiffuse_mono.ddr")).unwrap();
     let data = text.lines().skip_while(|line| line.trim() != "def").skip(1);
@@ -44,8 +45,8 @@ fn golden_files_have_the_values_of_libbsdf() {
         let cells: Vec<&str> = line.split('\t').collect();
         let angle = |i: usize| cells[i].parse::<f64>().unwrap();
         let expected: Vec<f64> = cells[5].split(' ').map(|v| v.parse().unwrap()).collect();
-        // The mirror direction is one node of the table for each azimuth about it. Those of this file, by Monte Carlo, differ, and
-        // libbsdf printed what its rounding met between them.
+        // The mirror direction is one node of the table for each azimuth about it. Those of this file, by Monte Carlo,
+        // differ, and libbsdf printed what its rounding met between them.
         if cells[0] == "lbgen_roughdiffuse_mono.ddr" && cells[1] == cells[3] {
             let columns = rough_diffuse_columns(angle(1));
             let found = bsdf(&load(cells[0]), &degrees(angle(1), 0.0), &degrees(angle(3), angle(4)))[0];
@@ -86,7 +87,7 @@ fn astm_columns_are_read_at_their_nodes_and_between() {
     let data = load("dir_iso_rgb.astm");
     assert_eq!(
         (data.format, &data.components[0].channels),
-        (Format::ASTM, &Channels::Rgb)
+        (Format::ASTM, &ChannelSet::Rgb)
     );
     for (theta_i, theta_o, phi) in [(20.0, 15.0, 45.0), (40.0, 30.0, 270.0), (60.0, 75.0, 180.0)] {
         let f = iso(f64::to_radians(theta_i), f64::to_radians(theta_o), f64::to_radians(phi));

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
-use specval::formats::{Format, Place, ReadOptions, WriteOptions, parse, read, write};
+use specval::formats::{Format, Location, ReadOptions, WriteOptions, parse, read, write};
 use specval::spectrum::parse_spectra;
 use specval::weave::WeaveDraft;
 
@@ -50,7 +50,7 @@ fn text(name: &str) -> String {
     String::from_utf8(golden(name)).unwrap()
 }
 
-fn refused(name: &str, bytes: &[u8]) -> (Place, String) {
+fn refused(name: &str, bytes: &[u8]) -> (Location, String) {
     let Err(error) = parse(name, bytes, &ReadOptions::default()) else {
         panic!("{name} was read")
     };
@@ -153,7 +153,7 @@ fn faults_are_named() {
         assert!(message.contains(says), "{name}, {from} → {to}: {message}");
         let whole = ["DataEnd", "TrisX", "PlaneSymmetrical", "Wavelength 550"].contains(&from);
         assert!(
-            whole || matches!(place, Place::Line { .. } | Place::Row { .. }),
+            whole || matches!(place, Location::Line { .. } | Location::Row { .. }),
             "{message}"
         );
     }
@@ -166,7 +166,7 @@ fn the_place_is_the_line_and_the_column() {
     let column = good.lines().nth(line).unwrap().find("1.29462595").unwrap();
     for end in ["\n", "\r\n", "\r"] {
         let bad = good.replacen("1.29462595", "x", 1).replace('\n', end);
-        let expected = Place::Line {
+        let expected = Location::Line {
             line: line + 1,
             column: column + 1,
         };
@@ -247,7 +247,7 @@ fn tensor_headers_are_checked_against_the_file() {
         let mut bad = good.clone();
         bad[at + offset..at + offset + 8].copy_from_slice(&value.to_le_bytes());
         let (place, message) = refused("x.bsdf", &bad);
-        assert!(matches!(place, Place::Byte(_)), "{message}");
+        assert!(matches!(place, Location::Byte(_)), "{message}");
     }
     let mut bad = good.clone();
     let inside = bad.len() - 1024;
@@ -368,7 +368,8 @@ fn told(what: &str, times: usize, count: usize, all: Duration, longest: Duration
     assert!(largest < 256 << 20 && longest < Duration::from_secs(10));
 }
 
-/// One ignored test for each reader and its seed: `cargo test --release --test files formats_refuse:: -- --ignored NAME`.
+/// One ignored test for each reader and its seed: `cargo test --release --test files formats_refuse:: -- --ignored
+/// NAME`.
 macro_rules! a_million_of {
     ($($test:ident: $seed:literal,)+) => {$(
         #[test]

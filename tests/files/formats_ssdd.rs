@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use specval::formats::{
-    Channels, Encoding, Format, Goniometric, ReadOptions, Scatter, Side, Table, WriteError, WriteOptions, parse, write,
+    ChannelSet, Encoding, Format, Goniometric, ReadOptions, Scatter, Side, Table, WriteError, WriteOptions, parse,
+    write,
 };
 
 use crate::golden::{golden, load};
@@ -164,7 +165,7 @@ proptest! {
         let Table::Grid(grid) = &data.components[0].table else { panic!("no grid") };
         let specular = text.contains("specular");
         for format in [Format::SSDD, Format::DDR] {
-            if format == Format::DDR && (!specular || data.components[0].channels == Channels::Xyz) {
+            if format == Format::DDR && (!specular || data.components[0].channels == ChannelSet::Xyz) {
                 continue;
             }
             let written = write(&data, format, &WriteOptions::default()).unwrap();

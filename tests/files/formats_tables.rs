@@ -1,5 +1,5 @@
-//! Tables of spectra and of readings as spreadsheets, scripts and instruments write them: the same values, or a refusal that
-//! names file, line, cause and remedy.
+//! Tables of spectra and of readings as spreadsheets, scripts and instruments write them: the same values, or a refusal
+//! that names file, line, cause and remedy.
 
 use crate::command::specval;
 use serde_json::Value;
@@ -352,7 +352,8 @@ fn radians_are_no_nominal_degrees() {
     }
 }
 
-/// --scatter and --side choose the component in every command that reads one, and a missing one is refused with those there.
+/// --scatter and --side choose the component in every command that reads one, and a missing one is refused with those
+/// there.
 #[test]
 fn components_are_chosen_in_every_command() {
     let scratch = tempfile::tempdir().unwrap();

@@ -307,7 +307,7 @@ fn a_failed_write_leaves_the_earlier_report_alone() {
     assert_eq!(std::fs::read(scratch.path().join("a")).unwrap(), b"old");
     // A name the file system refuses fails while staging; again nothing changes.
     let error = folder
-        .write(&[file("a", b"new"), file(&"x".repeat(300), b"new")])
+        .write(&[file("a", b"new"), file(&"x".repeat(300), b"new")], |_| false)
         .unwrap_err();
     assert!(matches!(error, OutputError::NotWritable { .. }), "{error}");
     assert_eq!(std::fs::read(scratch.path().join("a")).unwrap(), b"old");
@@ -319,7 +319,7 @@ fn a_failed_write_leaves_the_earlier_report_alone() {
 fn one_file_is_written_whole_or_not_at_all() {
     let scratch = tempfile::tempdir().unwrap();
     let path = scratch.path().join("curves.csv");
-    let write = |path: &std::path::Path, bytes: &[u8]| write_whole(&Place::find(path)?, bytes);
+    let write = |path: &std::path::Path, bytes: &[u8]| write_whole(&Destination::find(path)?, bytes);
     write(&path, b"first").unwrap();
     write(&path, b"second").unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), b"second");

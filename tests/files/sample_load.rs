@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use specval::colour::{ColourSystem, Convention, Illuminant, RgbSpace};
-use specval::sample::{Kind, Sample, SampleError, SampleNotice, Uncertainty, published_ratios};
+use specval::sample::{Sample, SampleError, SampleKind, SampleNotice, Uncertainty, published_ratios};
 use specval::spectrum::WavelengthGrid;
 
 const RGB: &str = "theta_i_deg,theta_v_deg,beta_r,beta_g,beta_b\n";
@@ -22,7 +22,10 @@ fn load(text: impl AsRef<[u8]>) -> Result<Sample, SampleError> {
 fn built_in_samples() {
     for name in ["merl-red-fabric", "merl-red-fabric2"] {
         let sample = Sample::load(name).unwrap();
-        assert_eq!((sample.name(), sample.description().kind), (name, Some(Kind::Fit)));
+        assert_eq!(
+            (sample.name(), sample.description().kind),
+            (name, Some(SampleKind::Fit))
+        );
         assert_eq!(sample.uncertainty(), Uncertainty::Relative(0.05));
         assert_eq!(sample.geometries().count(), 81);
         assert!(sample.published_ratios().is_none());
@@ -208,6 +211,38 @@ fn angles_as_an_encoder_reads_them_are_the_nominal_ones() {
     assert!((reading.beta[0] - 0.2).abs() < 1e-15 && !reading.interpolated);
 }
 
+/// An encoder that is read anew at each wavelength: a geometry has its mean angles, and other geometries stay apart.
+#[test]
+fn angles_read_anew_at_each_wavelength_are_one_geometry() {
+    let mut text = SPECTRAL.to_owned();
+    for (k, nm) in (400..=700).step_by(20).enumerate() {
+        for (view, beta) in [(-30.0, 0.2), (0.0, 0.4), (30.0, 0.3)] {
+            let off = 0.02 * ((k * 7 % 5) as f64 / 2.0 - 1.0);
+            text += &format!("{:.3},{:.3},{nm},{beta}\n", 45.0 + off, view - off);
+        }
+    }
+    let sample = load(&text).unwrap();
+    let read: Vec<(f64, f64, f64, usize)> = sample
+        .raw()
+        .map(|r| (r.theta_i_deg, r.theta_v_deg, r.beta[3], r.beta.len()))
+        .collect();
+    let due = [(45.0, -30.0, 0.2, 16), (45.0, 0.0, 0.4, 16), (45.0, 30.0, 0.3, 16)];
+    assert_eq!(read, due);
+    let told = sample
+        .notices()
+        .iter()
+        .any(|notice| matches!(notice, SampleNotice::AnglesOfWavelengths { largest_deg } if *largest_deg < 0.05));
+    assert!(told, "{:?}", sample.notices());
+    // Half a degree is another geometry.
+    let apart = format!("{SPECTRAL}45,0,400,0.1\n45,0,500,0.1\n45,0.5,400,0.1\n45.5,0,500,0.1\n");
+    assert!(
+        load(apart)
+            .unwrap_err()
+            .to_string()
+            .contains("the 2 wavelengths of theta_i_deg 45")
+    );
+}
+
 #[test]
 fn bare_file_has_no_description() {
     let sample = load(format!("{RGB}0,0,0.2,0.1,0.1\n")).unwrap();
@@ -268,7 +303,7 @@ fn faults_are_reported_with_their_line() {
         (format!("{RGB}0,0,1,1,1\n0,5,1,NaN,1\n"), 3, "brightness factor"),
         (format!("{RGB}0,0,1,1,\n"), 2, "brightness factor"),
         (format!("{RGB}0,0,1,1,inf\n"), 2, "brightness factor"),
-        (format!("{RGB}0,0,1,-0.03,1\n"), 2, "0 or more"),
+        (format!("{RGB}0,0,1,-0.06,1\n"), 2, "0 or more"),
         (format!("# c\n\n{RGB}90,0,1,1,1\n"), 4, "below 90"),
         (format!("{RGB}-30,0,1,1,1\n"), 2, "below 90"),
         (format!("{RGB}0,-90,1,1,1\n"), 2, "below 90"),
@@ -317,9 +352,17 @@ fn faults_are_reported_with_their_line() {
         ),
         "{message}"
     );
-    for junk in [&b"\x89PNG\r\n\x1a\n\0\0"[..], &[0u8; 64], &[0xff; 64], b"theta_i_deg\0"] {
+    for (junk, words) in [
+        (
+            &b"\x89PNG\r\n\x1a\n\0\0"[..],
+            "expected a table as text, found an image",
+        ),
+        (&[0u8; 64], "text in UTF-8"),
+        (&[0xff; 64], "text in UTF-8"),
+        (b"theta_i_deg\0", "text in UTF-8"),
+    ] {
         let message = load(junk).unwrap_err().to_string();
-        assert!(message.contains("text in UTF-8"), "{message}");
+        assert!(message.contains(words), "{message}");
     }
 }
 

@@ -79,8 +79,8 @@ fn paths_belong_to_the_folder_of_the_study() {
     assert!(plan_error("[medium]\ndye = \"RR1\"\n", here).contains("dye 'RR1' is not known"));
 }
 
-/// Cloths that cannot be woven: the message has the line of the study, names keys that exist, writes numbers as people do, and
-/// what it recommends can be woven.
+/// Cloths that cannot be woven: the message has the line of the study, names keys that exist, writes numbers as people
+/// do, and what it recommends can be woven.
 #[test]
 fn a_cloth_that_cannot_be_is_refused_by_its_key() {
     let known = Study::commented_toml();
@@ -108,7 +108,7 @@ fn a_cloth_that_cannot_be_is_refused_by_its_key() {
             "cloth.sinusoid_amplitude_mm",
             false,
         ),
-        ("[cloth]\nrepeats = 256\n", "cloth.repeats", false),
+        ("[cloth]\nweave = \"satin-5\"\nrepeats = 60\n", "cloth.repeats", false),
     ] {
         let message = plan_error(text, nowhere);
         let line = 1 + text
@@ -139,7 +139,8 @@ fn a_cloth_that_cannot_be_is_refused_by_its_key() {
     }
 }
 
-/// By default a sinusoid has the smallest amplitude at which yarns do not overlap, so every spacing of Peirce's cloth has one.
+/// By default a sinusoid has the smallest amplitude at which yarns do not overlap, so every spacing of Peirce's cloth
+/// has one.
 #[test]
 fn a_sinusoid_is_possible_at_the_default_spacing() {
     let of = |more: &str| {

@@ -223,7 +223,8 @@ fn rows(draft: &WeaveDraft) -> String {
     drawdown(draft).join(" ")
 }
 
-/// Built-in weaves by name, files by path; what is neither is refused with the names, the nearest and the way to a file.
+/// Built-in weaves by name, files by path; what is neither is refused with the names, the nearest and the way to a
+/// file.
 #[test]
 fn weaves_are_loaded_by_name_or_path() {
     assert_eq!(

@@ -2,7 +2,7 @@
 
 use specval::rig::bsdf::symmetries;
 use specval::run::{Plan, Simulator};
-use specval::study::{Bounces, MethodChoice, NumberOrTable, Study, WeftSection};
+use specval::study::{BounceLimit, MethodChoice, NumberOrTable, Study, WeftSection};
 use specval::transport::Estimate;
 
 const RED: &str = "
@@ -68,9 +68,9 @@ fn direct_light_is_additive_over_media() {
 #[test]
 fn rotation_by_90_degrees_exchanges_warp_and_weft() {
     for (method, bounces) in [
-        (MethodChoice::RadianceFactor, Bounces::Most(0)),
-        (MethodChoice::RadianceFactor, Bounces::ALL),
-        (MethodChoice::Volumetric, Bounces::ALL),
+        (MethodChoice::RadianceFactor, BounceLimit::Most(0)),
+        (MethodChoice::RadianceFactor, BounceLimit::ALL),
+        (MethodChoice::Volumetric, BounceLimit::ALL),
     ] {
         let way = |mut study: Study| {
             study.cloth.method = method;
@@ -98,7 +98,7 @@ fn both_integrators_agree_on_white_and_red_yarns() {
     let mean = |method, warp, weft| {
         let mut study = cloth(warp, weft);
         study.cloth.method = method;
-        study.cloth.bounces = Bounces::ALL;
+        study.cloth.bounces = BounceLimit::ALL;
         let red = |batch: &Vec<f64>| batch.iter().skip(2).step_by(3).sum::<f64>() / 6.0;
         Estimate::from_batches(batches(study).iter().map(red))
     };

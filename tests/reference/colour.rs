@@ -210,7 +210,8 @@ fn grey_stays_grey_on_any_grid() {
     );
 }
 
-/// What is lost of real colours between coarse or missing wavelengths, as the documentation of `ColourSystem` states it.
+/// What is lost of real colours between coarse or missing wavelengths, as the documentation of `ColourSystem` states
+/// it.
 #[test]
 fn interpolated_colours_against_the_finest_data() {
     let spectra = spectra();

@@ -1,8 +1,9 @@
-//! Hemispherical values in the parameters of the file, values at poles and at the horizon, and what a writer keeps of them.
+//! Hemispherical values in the parameters of the file, values at poles and at the horizon, and what a writer keeps of
+//! them.
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
-use specval::formats::{Channels, Format, Goniometric, ReadOptions, WriteOptions, direction, parse, write};
+use specval::formats::{ChannelSet, Format, Goniometric, ReadOptions, WriteOptions, direction, parse, write};
 use specval::geometry::Vec3;
 
 use crate::golden::load;
@@ -48,8 +49,9 @@ fn narrow_lobes_are_integrated_at_their_nodes() {
 fn radiance_files_have_the_values_of_radiance() {
     let normal = Vec3::z();
     let tree = load("ttree3_small.xml");
-    // The function is 0.26 there, its leaves around are 0.2476, 0.2527, 0.2557 and 0.2608. Radiance takes one of them by the signs
-    // of zeros: 0.2476 at the normal itself, 0.2557 or 0.2527 at 1e-6 degrees from it; here it is the mean over azimuths.
+    // The function is 0.26 there, its leaves around are 0.2476, 0.2527, 0.2557 and 0.2608. Radiance takes one of them
+    // by the signs of zeros: 0.2476 at the normal itself, 0.2557 or 0.2527 at 1e-6 degrees from it; here it is the mean
+    // over azimuths.
     let found = bsdf(&tree, &normal, &normal);
     assert!((found - 0.2542).abs() < 1e-4, "{found}");
     // Sums over leaves are those over directions, here by an even rule of 200 × 400 points.
@@ -222,8 +224,8 @@ fn half_difference(alpha: f64, fresnel: f64) -> Goniometric {
     text("x.ssdd", &file)
 }
 
-/// Narrow lobes of other parametrisations: the integral of the table by another rule, and of the function it was made from, from
-/// which a table of few nodes departs.
+/// Narrow lobes of other parametrisations: the integral of the table by another rule, and of the function it was made
+/// from, from which a table of few nodes departs.
 #[test]
 fn lobes_behind_a_warp_and_over_half_vectors_are_integrated() {
     for (data, alpha, fresnel, departs) in [
@@ -280,7 +282,7 @@ fn resampling_keeps_hemispherical_values() {
             );
             for theta in [0.0, 30.0, 60.0] {
                 // Of RGB, Klems matrices have XYZ.
-                if format == Format::RADIANCE_XML && data.components[0].channels != Channels::Monochrome {
+                if format == Format::RADIANCE_XML && data.components[0].channels != ChannelSet::Monochrome {
                     continue;
                 }
                 // Patches hold the mean over their ring of incidences, of 4 directions.

@@ -15,8 +15,8 @@ fn agree(checks: &[Check]) {
     }
 }
 
-/// A pilot run tells how many paths bring total R and T both to 0.1 %.
-/// False alarms: 44 quantities, half of them independent, |t| > 4 with 99 degrees of freedom has probability 1.2e-4: 0.3 %.
+/// A pilot run tells how many paths bring total R and T both to 0.1 %. False alarms: 44 quantities, half of them
+/// independent, |t| > 4 with 99 degrees of freedom has probability 1.2e-4: 0.3 %.
 #[test]
 fn slabs_in_collimated_light() {
     let slabs = |paths: &dyn Fn(&str) -> u64| {
@@ -52,8 +52,8 @@ fn slabs_in_lambertian_light() {
     agree(&checks);
 }
 
-/// The beam is stratified, so that few paths reach 0.1 % of R, T and A; what is under 10 % of the light is held to 1e-4 of
-/// all light. False alarms: 130 quantities, half of them independent, 0.8 %.
+/// The beam is stratified, so that few paths reach 0.1 % of R, T and A; what is under 10 % of the light is held to 1e-4
+/// of all light. False alarms: 130 quantities, half of them independent, 0.8 %.
 #[test]
 fn cylinders_without_scattering() {
     let checks = run_kind("cylinder", |name| {

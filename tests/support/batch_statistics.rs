@@ -46,11 +46,11 @@ impl fmt::Display for Joint {
     }
 }
 
-/// χ² = Σ t² over the values, and the greatest |t|, against what they become when each batch as a whole is given a random
-/// sign (Fisher's randomisation test). A batch of means 0 is as likely as its opposite, exactly so for the difference of
-/// two runs alike and near enough for means over many paths; and as all values of a batch turn together, their correlation,
-/// be it between wavelengths that share paths or between cells that share light, is the same in every trial. So is Student's
-/// excess over the normal distribution. `batches` is \[batch\]\[value\].
+/// χ² = Σ t² over the values, and the greatest |t|, against what they become when each batch as a whole is given a
+/// random sign (Fisher's randomisation test). A batch of means 0 is as likely as its opposite, exactly so for the
+/// difference of two runs alike and near enough for means over many paths; and as all values of a batch turn together,
+/// their correlation, be it between wavelengths that share paths or between cells that share light, is the same in
+/// every trial. So is Student's excess over the normal distribution. `batches` is \[batch\]\[value\].
 pub fn all_zero(batches: &[Vec<f64>]) -> Joint {
     let values = batches[0].len();
     let squares: Vec<f64> = (0..values).map(|i| batches.iter().map(|b| b[i] * b[i]).sum()).collect();

@@ -117,7 +117,7 @@ fn energy() -> Vec<EnergyRow> {
 }
 
 pub fn data() -> ReportData {
-    let estimate = |value, se| Estimate {
+    let estimate = |value, se| PropagatedEstimate {
         value,
         se,
         bias_monte_carlo: 0.0,
@@ -156,7 +156,7 @@ pub fn data() -> ReportData {
         sources: sources(),
         curves: curves(&[0.0, 30.0, 60.0], &views(), &ROLES),
         table1: table1(),
-        conventions: vec![Convention {
+        conventions: vec![ConventionRatios {
             convention: "CIE 1931 2°, E, CIE RGB, no adaptation".to_owned(),
             rows: table1(),
         }],

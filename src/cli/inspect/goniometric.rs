@@ -1,18 +1,20 @@
-use super::super::{Failure, Terminal};
+use super::super::{Failure, Terminal, in_words};
 use super::Chosen;
 use super::series::Series;
 use serde::Serialize;
 use specval::formats::registry;
 use specval::formats::{
-    Axis, Channels, Component, Directions, Fold, Goniometric, Hemispherical, KlemsBasis, Parameters, Provenance,
+    Axis, ChannelSet, Component, Directions, FileProvenance, Fold, Goniometric, Hemispherical, KlemsBasis, Parameters,
     Quantity, Scatter, Scattered, Side, Table,
 };
+use specval::number::significant;
 use std::fmt::Write;
+use std::path::Path;
 
 #[derive(Serialize)]
 struct Inspection {
     format: &'static str,
-    provenance: Provenance,
+    provenance: FileProvenance,
     /// How the format's own words for the sides are meant.
     convention: Option<&'static str>,
     components: Vec<Part>,
@@ -70,8 +72,8 @@ struct Reflectance {
     measured: f64,
 }
 
-pub fn show(data: Goniometric, chosen: &Chosen, terminal: &Terminal) -> Result<(), Failure> {
-    let inspection = inspect(data, chosen)?;
+pub fn show(path: &Path, data: Goniometric, chosen: &Chosen, terminal: &Terminal) -> Result<(), Failure> {
+    let inspection = inspect(data, chosen).map_err(|error| format!("{}: {error}", in_words(path)))?;
     terminal.result(&inspection, text)
 }
 
@@ -180,7 +182,7 @@ fn part(component: &Component) -> Part {
         quantity: component.quantity,
         channels: component.channels.names(),
         wavelength_nm: match &component.channels {
-            Channels::Wavelengths(grid) => Some(grid.nm().to_vec()),
+            ChannelSet::Wavelengths(grid) => Some(grid.nm().to_vec()),
             _ => None,
         },
         parameters,
@@ -353,7 +355,13 @@ fn text(of: &Inspection) -> String {
         for r in &part.reflectance {
             let values: Vec<String> = r.values.iter().map(|v| format!("{v:.6}")).collect();
             let error = r.errors.iter().copied().fold(0.0, f64::max);
-            let _ = writeln!(text, "{:<14} {} ± {error:.1e}", r.theta_i_deg, values.join(" "));
+            let _ = writeln!(
+                text,
+                "{:<14} {} ± {}",
+                r.theta_i_deg,
+                values.join(" "),
+                significant(error, 2)
+            );
         }
     }
     for warning in &of.warnings {

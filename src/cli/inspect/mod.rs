@@ -5,7 +5,7 @@ mod others;
 mod own;
 mod series;
 
-use super::{Failure, Terminal, study};
+use super::{Failure, Terminal, in_words, study};
 use specval::formats::{self, AngleUnit, Component, Format, Goniometric, ReadOptions, Scatter, Side};
 use specval::run::FileKind;
 use specval::sample::Sample;
@@ -32,12 +32,12 @@ pub struct Reading {
 /// Which components of a file are meant.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct Chosen {
-    /// Reflection or transmission alone. Where a format holds one of them and nothing is said, reflection is taken if there is
-    /// any.
+    /// Reflection or transmission alone. Where a format holds one of them and nothing is said, reflection is taken if
+    /// there is any.
     #[arg(long, value_name = "KIND", value_parser = scatter_of)]
     pub scatter: Option<Scatter>,
-    /// Light from the front or from the back alone: the front is the side of the normal, +z. Where a format does not state the
-    /// side and nothing is said, the front is taken.
+    /// Light from the front or from the back alone: the front is the side of the normal, +z. Where a format does not
+    /// state the side and nothing is said, the front is taken.
     #[arg(long, value_name = "SIDE", value_parser = side_of)]
     pub side: Option<Side>,
 }
@@ -124,8 +124,8 @@ impl Reading {
 }
 
 /// What the file is, its angles, wavelengths, counts, units, symmetry and provenance, the directional-hemispherical
-/// reflectance of each incidence, and warnings: of goniometric files of any format, samples (CSV files, folders and built-in
-/// names), weave drafts and tables of spectra. Of other files it says which command shows them.
+/// reflectance of each incidence, and warnings: of goniometric files of any format, samples (CSV files, folders and
+/// built-in names), weave drafts and tables of spectra. Of other files it says which command shows them.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// File or sample.
@@ -150,7 +150,8 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         _ => false,
     };
     if !is_goniometric {
-        arguments.chosen.refuse_for("a file of another kind")?;
+        let refused = arguments.chosen.refuse_for("a file of another kind");
+        refused.map_err(|error| format!("{}: {error}", in_words(path)))?;
     }
     match kind {
         Some(FileKind::Draft) => others::draft(path, terminal),
@@ -160,10 +161,13 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         Some(FileKind::Artefact(kind)) => own::artefact(path, kind, terminal),
         Some(FileKind::Report) => own::document(path, "report", terminal),
         Some(FileKind::Check) => own::document(path, "check", terminal),
+        Some(FileKind::Result) => own::document(path, "result", terminal),
+        Some(FileKind::Curves) => own::table(path, "curves", terminal),
+        Some(FileKind::Energy) => own::table(path, "energy", terminal),
         None if is_built_in => others::sample(&Sample::load(&name)?, terminal),
         None if draft() => others::draft(path, terminal),
         _ => match arguments.reading.read(path) {
-            Ok(data) => goniometric::show(data, &arguments.chosen, terminal),
+            Ok(data) => goniometric::show(path, data, &arguments.chosen, terminal),
             // Tables of spectra have no mark of their own.
             Err(error) => match SpectraFile::read(path) {
                 Ok(spectra) => others::spectra(&spectra, terminal),

@@ -1,16 +1,17 @@
 //! Files that are not goniometric tables: drafts, spectra and samples.
 
+use super::super::notice::first_of;
 use super::super::{Failure, Terminal};
 use super::series::Series;
 use serde::Serialize;
 use specval::sample::{Description, Sample, Uncertainty};
-use specval::spectrum::SpectraFile;
+use specval::spectrum::{SpectraFile, plausibility};
 use specval::weave::{Thread, WeaveDraft};
 use std::fmt::Write;
 use std::path::Path;
 
 #[derive(Serialize)]
-struct Draft {
+struct DraftInspection {
     format: &'static str,
     title: Option<String>,
     warps: usize,
@@ -28,7 +29,7 @@ pub fn draft(path: &Path, terminal: &Terminal) -> Result<(), Failure> {
     let draft = WeaveDraft::read(path)?;
     let coloured = |threads: &[Thread]| threads.iter().filter(|thread| thread.rgb.is_some()).count();
     let spacing = |threads: &[Thread]| Series::new(threads.iter().filter_map(|thread| thread.spacing_mm).collect());
-    let found = Draft {
+    let found = DraftInspection {
         format: "wif",
         warps: draft.warps.len(),
         wefts: draft.wefts.len(),
@@ -87,12 +88,21 @@ pub fn spectra(file: &SpectraFile, terminal: &Terminal) -> Result<(), Failure> {
             highest: values().fold(f64::NEG_INFINITY, f64::max),
         }
     };
+    // What `colour` refuses is told here.
+    let doubts =
+        file.spectra.iter().flat_map(
+            |(name, samples)| match plausibility::reflectances(name, samples.values()) {
+                Ok(doubts) => doubts.iter().map(ToString::to_string).collect(),
+                Err(refused) => vec![refused],
+            },
+        );
+    let doubts: Vec<String> = doubts.collect();
     let found = Spectra {
         format: "spectra",
         wavelength_nm: Series::new(nm.unwrap_or_default()),
         spectra: file.spectra.iter().map(of).collect(),
         stated: file.stated.clone(),
-        warnings: file.notices.clone(),
+        warnings: file.notices.iter().cloned().chain(first_of(&doubts)).collect(),
     };
     terminal.result(&found, |of| {
         let mut text = "format       table of spectra; `specval colour` prints their colours\n".to_owned();

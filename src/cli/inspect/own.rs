@@ -4,7 +4,7 @@ use super::super::{Failure, Terminal};
 use super::series::Series;
 use serde::Serialize;
 use serde_json::Value;
-use specval::artefact::{ArrayInfo, Kind, Reader};
+use specval::artefact::{ArrayInfo, ArtefactKind, Reader};
 use specval::study::Study;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -72,14 +72,14 @@ struct Stored {
 }
 
 /// A file of arrays, whose checksum is tested.
-pub fn artefact(path: &Path, kind: Kind, terminal: &Terminal) -> Result<(), Failure> {
+pub fn artefact(path: &Path, kind: ArtefactKind, terminal: &Terminal) -> Result<(), Failure> {
     let reader = Reader::open(path, kind)?;
     let identity = reader.identity().value().clone();
     let stored = Stored {
         format: match kind {
-            Kind::Artefact => "trace",
-            Kind::Shard => "shard",
-            Kind::State => "state",
+            ArtefactKind::Artefact => "trace",
+            ArtefactKind::Shard => "shard",
+            ArtefactKind::State => "state",
         },
         version: reader.version().to_owned(),
         sha256: reader.sha256(),
@@ -89,9 +89,9 @@ pub fn artefact(path: &Path, kind: Kind, terminal: &Terminal) -> Result<(), Fail
     };
     terminal.result(&stored, |of| {
         let what = match kind {
-            Kind::Artefact => "trace, whose absorption `specval reabsorb` changes",
-            Kind::Shard => "shard of a trace, added to the others by `specval merge`",
-            Kind::State => "state of an unfinished run, gone on from with --resume of the command that left it",
+            ArtefactKind::Artefact => "trace, whose absorption `specval reabsorb` changes",
+            ArtefactKind::Shard => "shard of a trace, added to the others by `specval merge`",
+            ArtefactKind::State => "state of an unfinished run, gone on from with --resume of the command that left it",
         };
         let mut text = format!(
             "format       {what}\nversion      {}\nchecksum     {}, as it should be\nseed         {}\n",
@@ -151,6 +151,7 @@ pub fn document(path: &Path, format: &'static str, terminal: &Terminal) -> Resul
     terminal.result(&document, |of| {
         let mut text = match of.format {
             "check" => "format       result of a check, compared with by `specval check --against`\n".to_owned(),
+            "result" => "format       result of a report, drawn again by `specval report --from`\n".to_owned(),
             _ => "format       document of a report; angles are degrees, wavelengths nm, brightness factors dimensionless\n"
                 .to_owned(),
         };
@@ -158,5 +159,41 @@ pub fn document(path: &Path, format: &'static str, terminal: &Terminal) -> Resul
             let _ = writeln!(text, "{name:<20} {words}");
         }
         text
+    })
+}
+
+#[derive(Serialize)]
+struct Rows {
+    format: &'static str,
+    columns: Vec<String>,
+    rows: usize,
+}
+
+/// `curves.csv` or `energy.csv`.
+pub fn table(path: &Path, format: &'static str, terminal: &Terminal) -> Result<(), Failure> {
+    let refuse = |error: csv::Error| NoDocument {
+        path: path.to_owned(),
+        expected: "a table as specval writes it",
+        found: error.to_string(),
+    };
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(path)
+        .map_err(refuse)?;
+    let columns = reader.headers().map_err(refuse)?.iter().map(str::to_owned).collect();
+    let rows = reader.records().collect::<Result<Vec<_>, _>>().map_err(refuse)?.len();
+    let found = Rows { format, columns, rows };
+    terminal.result(&found, |of| {
+        let what = match of.format {
+            "curves" => {
+                "curves of a report: brightness factors, dimensionless, 1 for the perfect diffuser; angles in degrees"
+            }
+            _ => "energy ledger: fractions of the incident light, each with its standard error; wavelengths in nm",
+        };
+        format!(
+            "format       {what}\nrows         {}\ncolumns      {}\n",
+            of.rows,
+            of.columns.join(" ")
+        )
     })
 }

@@ -1,4 +1,4 @@
-use super::layout::{Layout, Yarn};
+use super::layout::{Layout, WovenYarn};
 use super::tube::{Local, Tube};
 use crate::cloth::{CentreLineKind, ClothError, ClothSpec, System};
 use crate::fault::{self, Fault};
@@ -63,7 +63,7 @@ fn check(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> {
 }
 
 /// A tube folds into itself if the radius of curvature of its centre line is below its half height.
-fn check_curvature(system: System, yarns: &[Yarn]) -> Result<(), ClothError> {
+fn check_curvature(system: System, yarns: &[WovenYarn]) -> Result<(), ClothError> {
     for (index, yarn) in yarns.iter().enumerate() {
         let curvature_mm = yarn.line.curvature_radius_mm();
         if curvature_mm < yarn.half_height_mm * (1.0 - CONTACT_TOLERANCE) {
@@ -130,7 +130,7 @@ fn check_crossings(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> 
             draft.yarns(system)
         }
     };
-    let wefts: Vec<(&Yarn, Tube)> = layout.wefts.iter().map(|weft| (weft, Tube::new(weft))).collect();
+    let wefts: Vec<(&WovenYarn, Tube)> = layout.wefts.iter().map(|weft| (weft, Tube::new(weft))).collect();
     for (j, warp) in layout.warps.iter().enumerate().take(different(System::Warp)) {
         for (i, (weft, tube)) in wefts.iter().enumerate().take(different(System::Weft)) {
             let contact_mm = warp.half_height_mm + weft.half_height_mm;
@@ -157,7 +157,7 @@ fn check_crossings(spec: &ClothSpec, layout: &Layout) -> Result<(), ClothError> 
 }
 
 /// Smallest distance of two centre lines near their crossing.
-fn distance_of_lines(warp: &Yarn, weft: &Yarn, reach_mm: f64) -> f64 {
+fn distance_of_lines(warp: &WovenYarn, weft: &WovenYarn, reach_mm: f64) -> f64 {
     let (x_mm, y_mm) = (weft.place_mm, warp.place_mm);
     // At (dx, dy) from the crossing: a point of the warp, (x + dx, y), and one of the weft, (x, y + dy).
     let distance = |dx: f64, dy: f64| {
@@ -168,7 +168,7 @@ fn distance_of_lines(warp: &Yarn, weft: &Yarn, reach_mm: f64) -> f64 {
 }
 
 /// Depth of a warp's surface inside a weft near their crossing, mm.
-fn depth_mm(warp: &Yarn, weft: &Yarn, tube: &Tube) -> f64 {
+fn depth_mm(warp: &WovenYarn, weft: &WovenYarn, tube: &Tube) -> f64 {
     let reach_mm = weft.half_width_mm + warp.half_height_mm;
     let distance = |along: f64, around: f64| {
         let x_mm = weft.place_mm + along * reach_mm;

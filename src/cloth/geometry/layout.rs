@@ -13,7 +13,7 @@ const MAX_CROSSINGS: usize = 1 << 16;
 
 /// One yarn of the cell.
 #[derive(Clone, Debug)]
-pub(super) struct Yarn {
+pub(super) struct WovenYarn {
     /// Position across the yarn's direction, mm.
     pub place_mm: f64,
     pub half_width_mm: f64,
@@ -24,8 +24,8 @@ pub(super) struct Yarn {
 /// The yarns of one cell: the repeated draft, with the section and position of each yarn. They do not overlap.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
-    pub warps: Vec<Yarn>,
-    pub wefts: Vec<Yarn>,
+    pub warps: Vec<WovenYarn>,
+    pub wefts: Vec<WovenYarn>,
     /// Size of the cell along x and y, mm.
     pub cell_mm: [f64; 2],
 }
@@ -76,7 +76,7 @@ impl Layout {
                     let spacing_mm = spec.spacing_mm(system.other());
                     // Uniform spacing is passed on so that positions are exact multiples of it.
                     let spacing_mm = (spec.spacing_variation == 0.0).then_some(spacing_mm);
-                    Ok(Yarn {
+                    Ok(WovenYarn {
                         place_mm: strand.place_mm,
                         half_width_mm: strand.half_width_mm,
                         half_height_mm: strand.half_height_mm,
@@ -92,7 +92,7 @@ impl Layout {
         })
     }
 
-    pub fn yarns(&self, system: System) -> &[Yarn] {
+    pub fn yarns(&self, system: System) -> &[WovenYarn] {
         match system {
             System::Warp => &self.warps,
             System::Weft => &self.wefts,

@@ -235,7 +235,7 @@ pub(super) struct Near {
 }
 
 /// Distance of a piece from a point.
-pub(super) enum Seen {
+pub(super) enum SeenPiece {
     /// A lower bound of the distance.
     AtLeast(f64),
     Offset(Offset),
@@ -300,9 +300,9 @@ impl Piece {
 
     /// The distance of a point of a ray from the piece, or a cheap lower bound that exceeds `far`.
     #[inline]
-    pub fn seen(&self, d: f64, z: f64, far: f64, memory: &mut Memory) -> Seen {
+    pub fn seen(&self, d: f64, z: f64, far: f64, memory: &mut Memory) -> SeenPiece {
         let Self::Wave { mean, amplitude, k } = *self else {
-            return Seen::Offset(self.offset(d, z));
+            return SeenPiece::Offset(self.offset(d, z));
         };
         let z = z - mean;
         let below = memory.below.get_or_insert_with(|| WaveFoot::at(k, d));
@@ -311,10 +311,10 @@ impl Piece {
         let vertical = z - amplitude * below.cos;
         let least_squared = vertical * vertical / (1.0 + amplitude * amplitude * k * k);
         if least_squared > far * far {
-            return Seen::AtLeast(least_squared.sqrt());
+            return SeenPiece::AtLeast(least_squared.sqrt());
         }
         let below = *below;
         let foot = memory.foot.get_or_insert(below);
-        Seen::Offset(Wave { amplitude, k }.offset(d, z, below, foot, 1e-5))
+        SeenPiece::Offset(Wave { amplitude, k }.offset(d, z, below, foot, 1e-5))
     }
 }

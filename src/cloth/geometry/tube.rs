@@ -1,5 +1,5 @@
-use super::layout::Yarn;
-use super::piece::{Memory, Offset, Piece, Seen};
+use super::layout::WovenYarn;
+use super::piece::{Memory, Offset, Piece, SeenPiece};
 
 /// Largest number of search steps, after which a ray counts as never reaching the surface.
 const MAX_STEPS: usize = 256;
@@ -63,7 +63,7 @@ impl Local {
 }
 
 impl Tube {
-    pub fn new(yarn: &Yarn) -> Self {
+    pub fn new(yarn: &WovenYarn) -> Self {
         let (half_width, half_height) = (yarn.half_width_mm, yarn.half_height_mm);
         let (knots, pieces) = yarn.line.pieces();
         Self {
@@ -214,8 +214,8 @@ impl Tube {
             }
             let at = from.moved(along, distance);
             let offset = match piece.seen(at.x, at.z, 1.25 * self.half_height, &mut memory) {
-                Seen::Offset(offset) => offset,
-                Seen::AtLeast(least) => {
+                SeenPiece::Offset(offset) => offset,
+                SeenPiece::AtLeast(least) => {
                     // √(F + 1) changes by at most √(M / 2) per unit of distance.
                     let section = (at.u * at.u * self.inverse_a2 + least * least * self.inverse_b2).sqrt();
                     distance += (section - 1.0) / steepest;

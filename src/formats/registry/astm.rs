@@ -10,7 +10,7 @@ use crate::formats::options::{AngleUnit, ReadOptions};
 use crate::formats::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
 use crate::formats::write::columns;
 use crate::goniometric::{
-    Channels, Component, Directions, Format, Goniometric, Provenance, Quantity, Scattered, Side, Table,
+    ChannelSet, Component, Directions, FileProvenance, Format, Goniometric, Quantity, Scattered, Side, Table,
 };
 use crate::number::shown;
 use crate::spectrum::WavelengthGrid;
@@ -90,7 +90,7 @@ fn scattered(
 }
 
 fn read(text: Text, options: &ReadOptions) -> Result<Goniometric, FormatError> {
-    let mut provenance = Provenance::default();
+    let mut provenance = FileProvenance::default();
     let mut promised = None;
     let mut lines = lines(text);
     let (vars_at, vars) = loop {
@@ -198,19 +198,19 @@ fn read(text: Text, options: &ReadOptions) -> Result<Goniometric, FormatError> {
     })
 }
 
-fn astm_channels(text: Text, at: usize, names: &[&str]) -> Result<Channels, FormatError> {
+fn astm_channels(text: Text, at: usize, names: &[&str]) -> Result<ChannelSet, FormatError> {
     let nm: Option<Vec<f64>> = names
         .iter()
         .map(|n| n.strip_suffix("nm")?.trim().parse().ok())
         .collect();
     Ok(match (names, nm) {
-        (["R", "G", "B"], _) => Channels::Rgb,
-        (["X", "Y", "Z"], _) => Channels::Xyz,
-        (_, Some(nm)) => Channels::Wavelengths(
+        (["R", "G", "B"], _) => ChannelSet::Rgb,
+        (["X", "Y", "Z"], _) => ChannelSet::Xyz,
+        (_, Some(nm)) => ChannelSet::Wavelengths(
             WavelengthGrid::new(nm)
                 .map_err(|e| text.error(at, "ascending wavelengths", e.to_string(), remedy::WAVELENGTHS))?,
         ),
-        ([_], _) => Channels::Monochrome,
+        ([_], _) => ChannelSet::Monochrome,
         _ => {
             let expected = "value columns R,G,B or X,Y,Z or wavelengths such as 550nm, or a single one";
             let remedy = "name the columns of values so, or split them into files";

@@ -1,16 +1,17 @@
 //! This program's CSV of goniometric readings.
 
 use std::collections::HashMap;
+use std::iter::zip;
 use std::ops::RangeInclusive;
 
 use crate::formats::descriptor::{Descriptor, Holds, Input, Reader, USUAL_SIZES, Writer};
-use crate::formats::error::{FormatError, Place};
+use crate::formats::error::{FormatError, Location};
 use crate::formats::write::columns;
 use crate::goniometric::{
-    Channels, Component, Directions, Format, Goniometric, Provenance, Quantity, Scatter, Scattered, Side, Table,
+    ChannelSet, Component, Directions, FileProvenance, Format, Goniometric, Quantity, Scatter, Scattered, Side, Table,
 };
 use crate::spectrum::{WavelengthGrid, plausibility};
-use crate::text::{CsvError, CsvTable, Heading, heading};
+use crate::text::{CsvError, CsvTable, Heading, heading, remedy_for_brdf};
 
 pub(super) const FORMAT: Descriptor = Descriptor {
     format: Format::new("csv"),
@@ -40,14 +41,15 @@ const SPHERE: [(&str, RangeInclusive<f64>); 4] = [
 /// Brightness factors and their errors are at most this.
 const LARGEST: f64 = 1e30;
 
-/// Columns: angles in degrees as above, theta_o beyond 90 of transmission; then `wavelength_nm,beta`, or a column a wavelength,
-/// or `beta_r,beta_g,beta_b`, `beta_x,beta_y,beta_z` or `beta`; then standard errors, the same names with `_se`, all or none.
+/// Columns: angles in degrees as above, theta_o beyond 90 of transmission; then `wavelength_nm,beta`, or a column a
+/// wavelength, or `beta_r,beta_g,beta_b`, `beta_x,beta_y,beta_z` or `beta`; then standard errors, the same names with
+/// `_se`, all or none.
 fn read(input: &Input) -> Result<Goniometric, FormatError> {
     parse(input.path, input.bytes).map_err(|e| format_error(&e))
 }
 
 fn format_error(of: &CsvError) -> FormatError {
-    let place = Place::Row {
+    let place = Location::Row {
         line: of.line,
         column: of.column.as_deref().map(Into::into),
     };
@@ -61,7 +63,7 @@ fn format_error(of: &CsvError) -> FormatError {
 }
 
 /// Which column holds what.
-struct Layout {
+struct ReadingLayout {
     directions: Directions,
     angles: Vec<(usize, RangeInclusive<f64>)>,
     wavelength: Option<usize>,
@@ -70,7 +72,7 @@ struct Layout {
     errors: Vec<usize>,
 }
 
-impl Layout {
+impl ReadingLayout {
     fn of(table: &CsvTable) -> Result<Self, Box<CsvError>> {
         let (directions, angle_columns) = match table.column("phi_o_deg") {
             Some(_) => (Directions::Sphere, &SPHERE[..]),
@@ -92,7 +94,8 @@ impl Layout {
         .into_iter()
         .find(|set| set.iter().all(|name| table.column(name).is_some()))
         .ok_or_else(|| {
-            let remedy = "or a column a wavelength, titled with it in nm, such as 450";
+            let remedy =
+                remedy_for_brdf(&found()).unwrap_or("or a column a wavelength, titled with it in nm, such as 450");
             table.header_error("columns wavelength_nm,beta or beta_r,beta_g,beta_b", &found(), remedy)
         })?;
         let angles = angle_columns
@@ -165,7 +168,7 @@ struct Readings {
 }
 
 impl Readings {
-    fn take(&mut self, table: &CsvTable, layout: &Layout, row: usize) -> Result<(), Box<CsvError>> {
+    fn take(&mut self, table: &CsvTable, layout: &ReadingLayout, row: usize) -> Result<(), Box<CsvError>> {
         let mut degrees = Vec::with_capacity(layout.angles.len());
         for (column, range) in &layout.angles {
             let expected = format!("an angle from {} to {} degrees", range.start(), range.end());
@@ -271,15 +274,27 @@ impl Readings {
                 return Err(table.row_error(self.lowest.1, &expected, &found, &remedy));
             }
         }
-        let values = || {
-            self.points
-                .iter()
-                .flatten()
-                .flat_map(|point| point.values.iter().copied())
+        let degrees = |angles: &[f64]| -> Vec<f64> { angles.iter().map(|angle| angle.to_degrees()).collect() };
+        let readings = zip(&self.angles, &self.points).flat_map(|(angles, points)| {
+            let in_lobe = match degrees(angles)[..] {
+                [theta_i, phi_i, theta_o, phi_o] => plausibility::in_lobe(theta_i, theta_o, phi_o - phi_i),
+                [theta_i, theta_v] => plausibility::in_lobe_of_plane(theta_i, theta_v),
+                _ => false,
+            };
+            let values = points.iter().flat_map(|point| &point.values);
+            values.map(move |value| (*value, in_lobe))
+        });
+        let per_cent = plausibility::per_cent_for_fractions("beta", readings);
+        // Polar angles and azimuths take turns, but in the plane.
+        let of = |is_polar: bool| {
+            let angles = self.angles.iter().flat_map(move |angles| {
+                let is_plane = angles.len() == PLANE.len();
+                let wanted = move |(at, _): &(usize, &f64)| (is_plane || at % 2 == 0) == is_polar;
+                angles.iter().enumerate().filter(wanted)
+            });
+            angles.map(|(_, angle)| angle.to_degrees())
         };
-        let per_cent = plausibility::per_cent_for_fractions("beta", values());
-        let angles = self.angles.iter().flatten().map(|angle| angle.to_degrees());
-        let radians = plausibility::radians_for_degrees(angles);
+        let radians = plausibility::radians_for_degrees(of(true), of(false));
         notices.extend(per_cent.into_iter().chain(radians).map(|doubt| doubt.to_string()));
         Ok(notices)
     }
@@ -297,7 +312,7 @@ fn twice(table: &CsvTable, row: usize, first: usize) -> Box<CsvError> {
 
 fn parse(path: &str, bytes: &[u8]) -> Result<Goniometric, Box<CsvError>> {
     let table = CsvTable::parse(path, bytes)?.long()?;
-    let layout = Layout::of(&table)?;
+    let layout = ReadingLayout::of(&table)?;
     let mut readings = Readings::default();
     for row in 0..table.len() {
         readings.take(&table, &layout, row)?;
@@ -317,13 +332,13 @@ fn parse(path: &str, bytes: &[u8]) -> Result<Goniometric, Box<CsvError>> {
                 return Err(table.row_error(row_of(other), &expected, &found, remedy));
             }
             let remedy = "give wavelengths above 0 nm";
-            Channels::Wavelengths(
+            ChannelSet::Wavelengths(
                 WavelengthGrid::new(nm).map_err(|e| table.header_error("wavelengths", &e.to_string(), remedy))?,
             )
         }
-        (None, 1) => Channels::Monochrome,
-        (None, _) if table.column("beta_r").is_some() => Channels::Rgb,
-        (None, _) => Channels::Xyz,
+        (None, 1) => ChannelSet::Monochrome,
+        (None, _) if table.column("beta_r").is_some() => ChannelSet::Rgb,
+        (None, _) => ChannelSet::Xyz,
     };
     let scattered = Scattered::new(
         layout.directions,
@@ -334,9 +349,9 @@ fn parse(path: &str, bytes: &[u8]) -> Result<Goniometric, Box<CsvError>> {
     .map_err(|pair| twice(&table, row_of(pair.1), row_of(pair.0)))?;
     let errors = (!layout.errors.is_empty()).then(|| readings.concat(|point| &point.errors));
     let scattered = scattered.with_errors(errors);
-    let provenance = Provenance {
+    let provenance = FileProvenance {
         comments: table.comments().to_vec(),
-        ..Provenance::default()
+        ..FileProvenance::default()
     };
     Ok(Goniometric {
         format: FORMAT.format,

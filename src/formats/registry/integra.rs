@@ -1,14 +1,14 @@
 //! Integra's `.ddr`, `.ddt` (diffuse) and `.sdr`, `.sdt` (specular): words separated by white space, `;;` begins a
 //! comment. Reflection and transmission differ by the file's name alone.
 //!
-//! Diffuse values are k v with k of the `kbdf` list: π f (`Luminance`) or f cos θ_out (`Intensity`, kept as f). `Relative` tables
-//! are scaled so that the directional-hemispherical reflectance of each incidence and channel is k.
+//! Diffuse values are k v with k of the `kbdf` list: π f (`Luminance`) or f cos θ_out (`Intensity`, kept as f).
+//! `Relative` tables are scaled so that the directional-hemispherical reflectance of each incidence and channel is k.
 
 mod header;
 
 use std::f64::consts::TAU;
 
-use self::header::{BLOCK, Colour, Header, header};
+use self::header::{BLOCK, ColourHeader, Header, header};
 
 use crate::formats::descriptor::{Beginning, Descriptor, Holds, Mark, Reader, USUAL_SIZES, Writer};
 use crate::formats::error::{FormatError, remedy};
@@ -16,7 +16,7 @@ use crate::formats::options::ReadOptions;
 use crate::formats::text::{NOT_NEGATIVE, Readings, Text, Token, Tokens, finite, quoted};
 use crate::formats::write::integra as write;
 use crate::goniometric::{
-    Axis, Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Provenance, Quantity, Scatter, Side,
+    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side,
     SpecularTable, Table, divide_by_cosine, radians,
 };
 use crate::spectrum::WavelengthGrid;
@@ -27,7 +27,7 @@ pub(super) const DIFFUSE: Descriptor = Descriptor {
     extensions: &[("ddr", Some(Scatter::Reflection)), ("ddt", Some(Scatter::Transmission))],
     sizes: USUAL_SIZES,
     convention: None,
-    detect: |beginning| told(beginning, Kind::Diffuse),
+    detect: |beginning| told(beginning, TableKind::Diffuse),
     read: Reader::Goniometric(|input| input.text(|text| read_diffuse(text, input.options))),
     write: Some(Writer {
         holds: Holds::Scattering,
@@ -43,7 +43,7 @@ pub(super) const SPECULAR: Descriptor = Descriptor {
     extensions: &[("sdr", Some(Scatter::Reflection)), ("sdt", Some(Scatter::Transmission))],
     sizes: USUAL_SIZES,
     convention: None,
-    detect: |beginning| told(beginning, Kind::Specular),
+    detect: |beginning| told(beginning, TableKind::Specular),
     read: Reader::Goniometric(|input| input.text(|text| read_specular(text, input.options))),
     write: Some(Writer {
         holds: Holds::Fractions,
@@ -54,18 +54,18 @@ pub(super) const SPECULAR: Descriptor = Descriptor {
 };
 
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum TableKind {
     Diffuse,
     Specular,
 }
 
 /// Whether it is of this kind: by the lists and statements before the first `def`.
-fn told(beginning: &Beginning, kind: Kind) -> Option<Mark> {
+fn told(beginning: &Beginning, kind: TableKind) -> Option<Mark> {
     let mut found = None;
     for (mark, word) in beginning.words() {
         match word.as_str() {
-            "phi" | "theta" | "typesym" | "typedata" => found = Some(Kind::Diffuse),
-            "typecolormodel" | "sigma" => found = found.or(Some(Kind::Specular)),
+            "phi" | "theta" | "typesym" | "typedata" => found = Some(TableKind::Diffuse),
+            "typecolormodel" | "sigma" => found = found.or(Some(TableKind::Specular)),
             "def" if found.is_some() => return (found == Some(kind)).then_some(mark),
             _ => {}
         }
@@ -258,11 +258,11 @@ fn check_phi(text: Text, header: &Header, phi_deg: &[f64]) -> Result<(), FormatE
     Err(text.error(header.data.at, words, format!("{} to {}", ends[0], ends[1]), remedy))
 }
 
-fn colour(tokens: &mut Tokens, header: &Header) -> Result<Colour, FormatError> {
+fn colour(tokens: &mut Tokens, header: &Header) -> Result<ColourHeader, FormatError> {
     match header.colour {
         Some(colour) => Ok(colour),
-        None if header.data.is("bw") => Ok(Colour::Bw),
-        None if header.data.is("red") => Ok(Colour::Rgb),
+        None if header.data.is("bw") => Ok(ColourHeader::Bw),
+        None if header.data.is("red") => Ok(ColourHeader::Rgb),
         None => {
             let remedy = "write 'TypeColorModel spectral N' with the number N of wavelengths into the header";
             Err(tokens.unexpected(&header.data, "TypeColorModel in the header", remedy))
@@ -274,9 +274,9 @@ fn colour(tokens: &mut Tokens, header: &Header) -> Result<Colour, FormatError> {
 fn blocks<'a>(
     tokens: &mut Tokens<'a>,
     first: Token<'a>,
-    colour: Colour,
+    colour: ColourHeader,
     mut content: impl FnMut(&mut Tokens<'a>, usize) -> Result<(), FormatError>,
-) -> Result<Channels, FormatError> {
+) -> Result<ChannelSet, FormatError> {
     let mut wavelengths: Vec<f64> = Vec::new();
     let mut token = first;
     for channel in 0..colour.blocks() {
@@ -284,17 +284,17 @@ fn blocks<'a>(
             token = tokens.expect(BLOCK)?;
         }
         let words: &[&str] = match (colour, channel) {
-            (Colour::Bw, _) => &["bw"],
-            (Colour::Rgb, 0) => &["red"],
-            (Colour::Rgb, 1) => &["gre", "green"],
-            (Colour::Rgb, _) => &["blu", "blue"],
-            (Colour::Spectral(_), _) => &["wl"],
+            (ColourHeader::Bw, _) => &["bw"],
+            (ColourHeader::Rgb, 0) => &["red"],
+            (ColourHeader::Rgb, 1) => &["gre", "green"],
+            (ColourHeader::Rgb, _) => &["blu", "blue"],
+            (ColourHeader::Spectral(_), _) => &["wl"],
         };
         if !words.iter().any(|word| token.is(word)) {
             let remedy = "write the blocks in the order of TypeColorModel, one for each of its channels";
             return Err(tokens.unexpected(&token, format!("the block '{}'", words[0]), remedy));
         }
-        if let Colour::Spectral(_) = colour {
+        if let ColourHeader::Spectral(_) = colour {
             let above = wavelengths.last().copied().unwrap_or(0.0);
             let expected = format!("a wavelength in nm above {above}");
             let token = tokens.expect(&expected)?;
@@ -309,11 +309,11 @@ fn blocks<'a>(
         return Err(tokens.unexpected(&token, expected, remedy::MORE_BEHIND));
     }
     Ok(match colour {
-        Colour::Bw => Channels::Monochrome,
-        Colour::Rgb => Channels::Rgb,
-        Colour::Spectral(_) => {
+        ColourHeader::Bw => ChannelSet::Monochrome,
+        ColourHeader::Rgb => ChannelSet::Rgb,
+        ColourHeader::Spectral(_) => {
             let grid = WavelengthGrid::new(wavelengths);
-            Channels::Wavelengths(grid.map_err(|e| {
+            ChannelSet::Wavelengths(grid.map_err(|e| {
                 FormatError::file(tokens.source.path, "wavelengths", e.to_string(), remedy::WAVELENGTHS)
             })?)
         }
@@ -360,10 +360,10 @@ pub(super) fn scatter_of(
     }
 }
 
-fn provenance(source: Option<String>, tokens: &Tokens) -> Provenance {
+fn provenance(source: Option<String>, tokens: &Tokens) -> FileProvenance {
     // "Psi = 0" and "Sigma = 20" number the rows.
     let says = |words: &&&str| !words.starts_with("Psi =") && !words.starts_with("Sigma =");
-    Provenance {
+    FileProvenance {
         source,
         statements: Vec::new(),
         comments: tokens.comments().iter().filter(says).map(|&c| c.to_owned()).collect(),

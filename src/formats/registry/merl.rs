@@ -1,5 +1,5 @@
-//! MERL: three counts (90, 90, 180), then 64-bit values of red, green, blue over θ_h (even in its square), θ_d, φ_d; φ_d
-//! has period 180°. Isotropic BRDFs in linear RGB of no stated primaries. A value below 0 stands for no data.
+//! MERL: three counts (90, 90, 180), then 64-bit values of red, green, blue over θ_h (even in its square), θ_d, φ_d;
+//! φ_d has period 180°. Isotropic BRDFs in linear RGB of no stated primaries. A value below 0 stands for no data.
 //!
 //! Values are taken as nodes at θ_h = i²/90, θ_d = i, φ_d = i degrees; other readers take them as cells.
 
@@ -10,7 +10,7 @@ use crate::formats::descriptor::{Beginning, Descriptor, Holds, Input, Mark, Read
 use crate::formats::error::{FormatError, remedy};
 use crate::formats::merl_table::{HEADER, NODES, PHI_D, SCALE, SIZE, directions, grid};
 use crate::formats::write::merl as write;
-use crate::goniometric::{Channels, Component, Format, Goniometric, Provenance, Quantity, Scatter, Side, Table};
+use crate::goniometric::{ChannelSet, Component, FileProvenance, Format, Goniometric, Quantity, Scatter, Side, Table};
 use crate::number::shown;
 
 pub(super) const FORMAT: Descriptor = Descriptor {
@@ -120,12 +120,12 @@ fn read(input: &Input) -> Result<Goniometric, FormatError> {
     let grid = grid(values);
     Ok(Goniometric {
         format: FORMAT.format,
-        provenance: Provenance::default(),
+        provenance: FileProvenance::default(),
         components: vec![Component {
             scatter: Scatter::Reflection,
             side: Side::Front,
             quantity: Quantity::Bsdf,
-            channels: Channels::Rgb,
+            channels: ChannelSet::Rgb,
             table: Table::Grid(grid),
         }],
         warnings,

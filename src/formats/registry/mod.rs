@@ -1,6 +1,7 @@
 //! The list of formats, and what is done with any of them: told, read and written.
 //!
-//! A format is one file of this folder, which provides its descriptor, and is named twice here: as a module and in the list.
+//! A format is one file of this folder, which provides its descriptor, and is named twice here: as a module and in the
+//! list.
 
 mod astm;
 mod csv_readings;
@@ -19,6 +20,7 @@ use super::options::Encoding;
 use super::text::quoted;
 use super::write::WriteError;
 use crate::goniometric::{Format, Goniometric, Scatter};
+use crate::text::{Foreign, foreign};
 
 /// A constant of [`Format`] and a descriptor for each row.
 macro_rules! registry {
@@ -114,6 +116,9 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<&'static Desc
         let remedy = "copy or export it again";
         return Err(FormatError::file(path, expected(), "an empty file", remedy));
     }
+    if let Some(Foreign { what, remedy }) = foreign(head) {
+        return Err(FormatError::file(path, expected(), what, remedy));
+    }
     let beginning = Beginning::new(head, size);
     let marks = ALL
         .iter()
@@ -128,20 +133,12 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<&'static Desc
             );
             return Err(FormatError::file(path, "little-endian numbers", found, remedy));
         }
-        _ if is_web_page(&beginning.text) => {
-            let remedy = "download the file itself: the page usually has a link named Raw or Download";
-            return Err(FormatError::file(path, expected(), "a web page (HTML)", remedy));
-        }
         Some((_, known)) => return Ok(known),
         None => {}
     }
     let found = format!("a file that begins with {}", quoted(&beginning.text));
-    let remedy = match other_kind(head) {
-        Some(kind) => format!("this is {kind}"),
-        None => "give the data file of the instrument, archive or renderer; `specval convert --help` lists the formats, and \
-                 spectra are read by `specval colour`"
-            .into(),
-    };
+    let remedy = "give the data file of the instrument, archive or renderer; `specval convert --help` lists the formats, and \
+                  spectra are read by `specval colour`";
     Err(FormatError::file(path, expected(), found, remedy))
 }
 
@@ -151,40 +148,4 @@ pub(super) fn read(known: &Descriptor, input: &Input) -> Result<Goniometric, For
         Reader::Goniometric(read) => read(input),
         Reader::Elsewhere { found, remedy } => Err(FormatError::file(input.path, "a goniometric file", found, remedy)),
     }
-}
-
-/// Whether a page of HTML begins, be it a reader's error page or the view of a file.
-fn is_web_page(text: &str) -> bool {
-    let lower = text.to_ascii_lowercase();
-    let page = ["<!doctype html", "<html", "<head>"]
-        .iter()
-        .filter_map(|tag| lower.find(tag))
-        .min();
-    page.is_some_and(|at| {
-        lower.trim_start().starts_with('<') && lower.find("<windowelement").is_none_or(|bsdf| at < bsdf)
-    })
-}
-
-/// Kinds of files that are often taken for others, by their first bytes, with what to do.
-fn other_kind(head: &[u8]) -> Option<&'static str> {
-    let kinds: [(&[u8], &str); 8] = [
-        (
-            b"PK\x03\x04",
-            "a ZIP archive or a spreadsheet: unpack it, or save the sheet as CSV",
-        ),
-        (b"\x1f\x8b", "a gzip archive: unpack it"),
-        (b"\xfd7zXZ", "an xz archive: unpack it"),
-        (b"BZh", "a bzip2 archive: unpack it"),
-        (b"\xff\xd8\xff", "an image: give the table of values behind it"),
-        (b"\x89PNG", "an image: give the table of values behind it"),
-        (b"%PDF", "a PDF document: give the table of values behind it"),
-        (
-            b"version https://git-lfs",
-            "a pointer of Git LFS: fetch the file itself with `git lfs pull`",
-        ),
-    ];
-    kinds
-        .into_iter()
-        .find(|(begins, _)| head.starts_with(begins))
-        .map(|(_, kind)| kind)
 }

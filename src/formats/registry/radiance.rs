@@ -10,12 +10,12 @@ use roxmltree::{Document, Node as Element, ParsingOptions};
 use self::tree::tree;
 use self::xml::{AnySpace, Xml, child, words};
 use crate::formats::descriptor::{Beginning, Descriptor, Holds, Mark, Reader, USUAL_SIZES, Writer};
-use crate::formats::error::{FormatError, Place, remedy};
+use crate::formats::error::{FormatError, Location, remedy};
 use crate::formats::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
 use crate::formats::write::radiance as write;
 use crate::goniometric::{
-    Channels, Component, Format, Goniometric, KlemsBasis, KlemsMatrix, Provenance, Quantity, Scatter, Side, Table,
-    TensorTree,
+    ChannelSet, Component, FileProvenance, Format, Goniometric, KlemsBasis, KlemsMatrix, Quantity, Scatter, Side,
+    Table, TensorTree,
 };
 use crate::number::shown;
 
@@ -71,10 +71,10 @@ fn read(text: Text) -> Result<Goniometric, FormatError> {
     let document = Document::parse_with_options(&text.text[begins..], options).map_err(|e| {
         let (row, column) = (e.pos().row as usize, e.pos().col as usize);
         let before = match text.place(begins) {
-            Place::Line { line, column } => [line - 1, if row == 1 { column - 1 } else { 0 }],
+            Location::Line { line, column } => [line - 1, if row == 1 { column - 1 } else { 0 }],
             _ => [0, 0],
         };
-        let place = Place::Line {
+        let place = Location::Line {
             line: before[0] + row,
             column: before[1] + column,
         };
@@ -150,9 +150,9 @@ fn read(text: Text) -> Result<Goniometric, FormatError> {
             side: *side,
             quantity: Quantity::Bsdf,
             channels: if chosen.len() == 3 {
-                Channels::Xyz
+                ChannelSet::Xyz
             } else {
-                Channels::Monochrome
+                ChannelSet::Monochrome
             },
             table,
         });
@@ -162,7 +162,7 @@ fn read(text: Text) -> Result<Goniometric, FormatError> {
         return Err(xml.error(layer, "a <WavelengthData> of Visible light in it", "none", remedy));
     }
     text.judge(&readings, &mut warnings)?;
-    let mut provenance = Provenance::default();
+    let mut provenance = FileProvenance::default();
     if let Some(material) = child(layer, "Material") {
         for element in material.children().filter(Element::is_element) {
             if !words(element).is_empty() {

@@ -1,5 +1,5 @@
-//! The tensor file of the Realistic Graphics Lab (`.bsdf` of the RGL material database, Mitsuba's and pbrt's `measured`):
-//! named arrays in one binary file, little-endian.
+//! The tensor file of the Realistic Graphics Lab (`.bsdf` of the RGL material database, Mitsuba's and pbrt's
+//! `measured`): named arrays in one binary file, little-endian.
 
 use crate::formats::descriptor::{Descriptor, Holds, MIB, Mark, Reader, Writer};
 use crate::formats::rgl_arrays::{MAGIC, RGL};

@@ -1,5 +1,5 @@
-//! SSDD, Surface Scattering Distribution Data, version 0.3: lines of properties, then text or 32-bit binary values; up to
-//! four blocks in one file. Values are f in 1/sr, fractions in specular blocks.
+//! SSDD, Surface Scattering Distribution Data, version 0.3: lines of properties, then text or 32-bit binary values; up
+//! to four blocks in one file. Values are f in 1/sr, fractions in specular blocks.
 
 mod lines;
 
@@ -9,12 +9,12 @@ use std::ops::RangeInclusive;
 use self::lines::{Lines, ascending, list_index, word_of};
 use crate::formats::byte_order::{is_implausible, swapped};
 use crate::formats::descriptor::{Beginning, Descriptor, Holds, Input, Mark, Reader, USUAL_SIZES, Writer};
-use crate::formats::error::{FormatError, Place, remedy};
+use crate::formats::error::{FormatError, Location, remedy};
 use crate::formats::options::Encoding;
 use crate::formats::text::{FINITE, Readings, finite, quoted, remedy_for};
 use crate::formats::write::ssdd as write;
 use crate::goniometric::{
-    Axis, Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Provenance, Quantity, Scatter, Side,
+    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side,
     SpecularTable, Table, radians,
 };
 use crate::number::shown;
@@ -76,7 +76,7 @@ fn read(input: &Input) -> Result<Goniometric, FormatError> {
         position: 0,
         number: 0,
     };
-    let mut provenance = Provenance::default();
+    let mut provenance = FileProvenance::default();
     let mut components: Vec<Component> = Vec::new();
     let mut kinds_seen: Vec<&str> = Vec::new();
     let mut warnings: Vec<String> = text
@@ -168,13 +168,15 @@ fn component(
         lines.error(format!("{name} before DATA in the block '{kind}'"), "none", remedy)
     };
     let channels = match block.colour_model.ok_or_else(|| missing("COLOR_MODEL"))? {
-        "monochrome" => Channels::Monochrome,
-        "rgb" => Channels::Rgb,
-        "xyz" => Channels::Xyz,
+        "monochrome" => ChannelSet::Monochrome,
+        "rgb" => ChannelSet::Rgb,
+        "xyz" => ChannelSet::Xyz,
         _ => {
             let nm = block.wavelengths_nm.clone().ok_or_else(|| missing("WAVELENGTH_LIST"))?;
             let grid = WavelengthGrid::new(nm);
-            Channels::Wavelengths(grid.map_err(|e| lines.error("WAVELENGTH_LIST", e.to_string(), remedy::WAVELENGTHS))?)
+            ChannelSet::Wavelengths(
+                grid.map_err(|e| lines.error("WAVELENGTH_LIST", e.to_string(), remedy::WAVELENGTHS))?,
+            )
         }
     };
     let specular = kind.starts_with("specular");
@@ -365,7 +367,7 @@ fn values(
             match readings.judged() {
                 Ok(warning) => warnings.extend(warning),
                 Err((line, [expected, found, remedy])) => {
-                    let place = Place::Row { line, column: None };
+                    let place = Location::Row { line, column: None };
                     return Err(FormatError::at(lines.path, place, expected, found, remedy));
                 }
             }

@@ -1,5 +1,5 @@
-//! UTIA: 64-bit values of red, green, blue over incident and outgoing direction, every 15° in polar angle up to 75° and every
-//! 7.5° in azimuth, without any header. The scale is not stated and differs between readers.
+//! UTIA: 64-bit values of red, green, blue over incident and outgoing direction, every 15° in polar angle up to 75° and
+//! every 7.5° in azimuth, without any header. The scale is not stated and differs between readers.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,8 @@ use crate::formats::byte_order::{is_implausible, swapped};
 use crate::formats::descriptor::{Beginning, Descriptor, Input, Mark, Reader};
 use crate::formats::error::{FormatError, remedy};
 use crate::goniometric::{
-    Axis, Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Provenance, Quantity, Scatter, Side, Table,
+    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side,
+    Table,
 };
 
 pub(super) const FORMAT: Descriptor = Descriptor {
@@ -89,7 +90,7 @@ fn read(input: &Input) -> Result<Goniometric, FormatError> {
     }
     Ok(Goniometric {
         format: FORMAT.format,
-        provenance: Provenance::default(),
+        provenance: FileProvenance::default(),
         components: vec![Component {
             scatter: Scatter::Reflection,
             side: Side::Front,
@@ -98,7 +99,7 @@ fn read(input: &Input) -> Result<Goniometric, FormatError> {
             } else {
                 Quantity::Unscaled
             },
-            channels: Channels::Rgb,
+            channels: ChannelSet::Rgb,
             table: Table::Grid(grid),
         }],
         warnings,

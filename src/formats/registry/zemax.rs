@@ -6,8 +6,8 @@ use crate::formats::descriptor::{Descriptor, Reader, USUAL_SIZES};
 use crate::formats::error::{FormatError, remedy};
 use crate::formats::text::{NOT_NEGATIVE, Readings, Text, Tokens};
 use crate::goniometric::{
-    Axis, Channels, Component, Fold, Format, Goniometric, Grid, Parameters, Provenance, Quantity, Scatter, Side, Table,
-    radians,
+    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side,
+    Table, radians,
 };
 
 pub(super) const ZEMAX: Descriptor = Descriptor {
@@ -49,8 +49,8 @@ fn choice<'w>(tokens: &mut Tokens, keyword: &str, words: &[&'w str]) -> Result<&
         .ok_or_else(|| tokens.unexpected(&token, expected, remedy::SPELLING))
 }
 
-fn provenance(tokens: &Tokens, source: &str) -> Provenance {
-    Provenance {
+fn provenance(tokens: &Tokens, source: &str) -> FileProvenance {
+    FileProvenance {
         source: Some(source.into()),
         statements: Vec::new(),
         comments: tokens.comments().iter().map(|&c| c.to_owned()).collect(),
@@ -141,9 +141,9 @@ fn read_zemax(text: Text) -> Result<Goniometric, FormatError> {
         side: Side::Front,
         quantity: Quantity::Bsdf,
         channels: if blocks.len() == 3 {
-            Channels::Xyz
+            ChannelSet::Xyz
         } else {
-            Channels::Monochrome
+            ChannelSet::Monochrome
         },
         table: Table::Grid(Grid::new(parameters, axes, fold, blocks.len(), [4, 1, 0, 3, 2], values)),
     };
@@ -323,7 +323,7 @@ fn component(
         scatter,
         side,
         quantity: Quantity::Bsdf,
-        channels: if xyz { Channels::Xyz } else { Channels::Monochrome },
+        channels: if xyz { ChannelSet::Xyz } else { ChannelSet::Monochrome },
         table: Table::Grid(Grid::new(
             Parameters::Spherical,
             axes,

@@ -1,8 +1,9 @@
-//! What resampling does to hemispherical values, and how it is undone: each incidence is scaled back to the source's value.
+//! What resampling does to hemispherical values, and how it is undone: each incidence is scaled back to the source's
+//! value.
 
 use super::sampling::ChannelMap;
 use crate::goniometric::{Component, Hemispherical};
-use crate::number::shown;
+use crate::number::{count, shown};
 
 /// Factors beyond these would bend values more than they mend them: the table cannot hold what the source does.
 const FACTORS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
@@ -47,8 +48,8 @@ fn keep_larger(kept: &mut Option<Change>, change: Change) {
 }
 
 impl Balance {
-    /// What each channel of a table is to be multiplied by at an incidence for the source's hemispherical values; 1 where that
-    /// cannot be known.
+    /// What each channel of a table is to be multiplied by at an incidence for the source's hemispherical values; 1
+    /// where that cannot be known.
     pub(super) fn factors(
         &mut self,
         theta_i_deg: f64,
@@ -137,8 +138,8 @@ impl Balance {
         }
         if self.uncovered > 0 {
             notices.push(format!(
-                "at {} directions of incidence the source does not cover the hemisphere: its hemispherical value is not kept there",
-                self.uncovered
+                "at {} of incidence the source does not cover the hemisphere: its hemispherical value is not kept there",
+                count(self.uncovered, "direction")
             ));
         }
     }

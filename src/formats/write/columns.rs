@@ -9,8 +9,8 @@ use super::balance::{Balance, hemispherical};
 use super::nodes::Probe;
 use super::sampling::{Sampler, every};
 use crate::goniometric::{
-    Channels, Component, Directions, Format, Grid, Hemispherical, Parameters, Provenance, Quantity, Scatter, Scattered,
-    Table, direction, rounded_deg,
+    ChannelSet, Component, Directions, FileProvenance, Format, Grid, Hemispherical, Parameters, Quantity, Scatter,
+    Scattered, Table, direction, rounded_deg,
 };
 
 /// Steps in θ_o, and in φ_o and φ_i, of a table that is resampled, where its values do not bend.
@@ -19,8 +19,9 @@ const AROUND_DEG: f64 = 15.0;
 /// Nodes at most in θ_o and φ_o for each incidence, of isotropic and of anisotropic tables.
 const MOST: [[usize; 2]; 2] = [[64, 60], [30, 36]];
 
-/// A reading: its angles in radians, θ_in, φ_in, θ_out, φ_out or θ_in, θ_v; and f in 1/sr, or β in a CSV, one a channel.
-type Reading = (Vec<f64>, Vec<f64>);
+/// A reading: its angles in radians, θ_in, φ_in, θ_out, φ_out or θ_in, θ_v; and f in 1/sr, or β in a CSV, one a
+/// channel.
+type ColumnReading = (Vec<f64>, Vec<f64>);
 
 /// Lines of angles and values in the style of ASTM E1392: f over radians.
 pub(in crate::formats) fn astm(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
@@ -50,11 +51,11 @@ pub(in crate::formats) fn csv(content: &Content, notices: &mut Vec<String>) -> R
     Ok(csv_lines(component, &readings, &errors, plane, content.provenance))
 }
 
-fn in_plane(readings: &[Reading]) -> bool {
+fn in_plane(readings: &[ColumnReading]) -> bool {
     readings.first().is_some_and(|(angles, _)| angles.len() == 2)
 }
 
-fn astm_lines(component: &Component, readings: &[Reading], plane: bool, provenance: &Provenance) -> Vec<u8> {
+fn astm_lines(component: &Component, readings: &[ColumnReading], plane: bool, provenance: &FileProvenance) -> Vec<u8> {
     let mut text = String::new();
     for (name, value) in &provenance.statements {
         let key = !name.is_empty() && name.chars().all(|c| c.is_ascii_uppercase() || c == '_') && name != "VARS";
@@ -64,7 +65,7 @@ fn astm_lines(component: &Component, readings: &[Reading], plane: bool, provenan
         }
     }
     let names = match &component.channels {
-        Channels::Monochrome => vec!["BSDF".to_owned()],
+        ChannelSet::Monochrome => vec!["BSDF".to_owned()],
         channels => channels.names(),
     };
     let _ = writeln!(
@@ -86,10 +87,10 @@ fn astm_lines(component: &Component, readings: &[Reading], plane: bool, provenan
 
 fn csv_lines(
     component: &Component,
-    readings: &[Reading],
+    readings: &[ColumnReading],
     errors: &[(Vec<f64>, &[f64])],
     plane: bool,
-    provenance: &Provenance,
+    provenance: &FileProvenance,
 ) -> Vec<u8> {
     let mut text = String::new();
     for comment in &provenance.comments {
@@ -101,16 +102,16 @@ fn csv_lines(
         "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,"
     };
     text += match component.channels {
-        Channels::Monochrome => "beta",
-        Channels::Rgb => "beta_r,beta_g,beta_b",
-        Channels::Xyz => "beta_x,beta_y,beta_z",
-        Channels::Wavelengths(_) => "wavelength_nm,beta",
+        ChannelSet::Monochrome => "beta",
+        ChannelSet::Rgb => "beta_r,beta_g,beta_b",
+        ChannelSet::Xyz => "beta_x,beta_y,beta_z",
+        ChannelSet::Wavelengths(_) => "wavelength_nm,beta",
     };
     if !errors.is_empty() {
         text += match component.channels {
-            Channels::Rgb => ",beta_r_se,beta_g_se,beta_b_se",
-            Channels::Xyz => ",beta_x_se,beta_y_se,beta_z_se",
-            Channels::Monochrome | Channels::Wavelengths(_) => ",beta_se",
+            ChannelSet::Rgb => ",beta_r_se,beta_g_se,beta_b_se",
+            ChannelSet::Xyz => ",beta_x_se,beta_y_se,beta_z_se",
+            ChannelSet::Monochrome | ChannelSet::Wavelengths(_) => ",beta_se",
         };
     }
     text.push('\n');
@@ -122,7 +123,7 @@ fn csv_lines(
         }
         let degrees: Vec<String> = degrees.iter().map(f64::to_string).collect();
         let beta = values.iter().map(f64::to_string);
-        if let Channels::Wavelengths(grid) = &component.channels {
+        if let ChannelSet::Wavelengths(grid) = &component.channels {
             for (channel, (nm, beta)) in grid.nm().iter().zip(beta).enumerate() {
                 let error = errors.get(channel).map_or(String::new(), |error| format!(",{error}"));
                 let _ = writeln!(text, "{},{nm},{beta}{error}", degrees.join(","));
@@ -141,7 +142,7 @@ fn readings(
     format: Format,
     quantity: Quantity,
     notices: &mut Vec<String>,
-) -> Result<Vec<Reading>, WriteError> {
+) -> Result<Vec<ColumnReading>, WriteError> {
     let of = |value: f64, theta_o: f64| {
         if component.quantity == quantity {
             return Some(value);
@@ -188,13 +189,13 @@ fn resampled(
     format: Format,
     quantity: Quantity,
     notices: &mut Vec<String>,
-) -> Result<Vec<Reading>, WriteError> {
+) -> Result<Vec<ColumnReading>, WriteError> {
     let sampler = Sampler::new(component, format)?;
     let isotropic = component.is_isotropic();
     let azimuths = if isotropic { vec![0.0] } else { every(AROUND_DEG, 345.0) };
     let probed = if isotropic { vec![0.0] } else { vec![0.0, 45.0, 90.0] };
     let mut balance = Balance::default();
-    let mut readings: Vec<Reading> = Vec::new();
+    let mut readings: Vec<ColumnReading> = Vec::new();
     let node = |[theta_i, phi_i]: [f64; 2], theta_o: f64, phi_o: f64| {
         let at = |theta: f64, phi: f64| direction(theta.to_radians(), phi.to_radians());
         (at(theta_i, phi_i), at(theta_o, phi_i + phi_o))
@@ -204,7 +205,7 @@ fn resampled(
         let even = [every(POLAR_DEG, 90.0), every(AROUND_DEG, 360.0)];
         let [theta_o, mut phi_o] = probe.nodes(even, MOST[usize::from(!isotropic)], node)?;
         phi_o.pop();
-        let mut of_incidence: Vec<Reading> = Vec::new();
+        let mut of_incidence: Vec<ColumnReading> = Vec::new();
         for &phi_i in &azimuths {
             // In the order of the file: outgoing azimuths from 0 to 360, not from the light's on.
             let mut phi_o: Vec<f64> = phi_o.iter().map(|phi| (phi + phi_i).rem_euclid(360.0)).collect();
@@ -229,8 +230,9 @@ fn resampled(
     Ok(readings)
 }
 
-/// Scales the readings of an incidence to the source's hemispherical values, one an incident azimuth, which they are in the order of.
-fn keep(component: &Component, theta_i: f64, azimuths: &[f64], readings: &mut [Reading], balance: &mut Balance) {
+/// Scales the readings of an incidence to the source's hemispherical values, one an incident azimuth, which they are in
+/// the order of.
+fn keep(component: &Component, theta_i: f64, azimuths: &[f64], readings: &mut [ColumnReading], balance: &mut Balance) {
     let channels = component.channels.count();
     let angles: Vec<Vec<f64>> = readings.iter().map(|(angles, _)| angles.clone()).collect();
     let values = readings.iter().flat_map(|(_, f)| f.iter().copied()).collect();

@@ -10,8 +10,8 @@ use super::nodes::Probe;
 use super::sampling::{ChannelMap, Sampler, clipped, every};
 use crate::geometry::Vec3;
 use crate::goniometric::{
-    Axis, Channels, Component, Fold, Format, Grid, Hemispherical, Parameters, Provenance, Quantity, Table, about_z,
-    degrees, direction, from_specular, radians,
+    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Grid, Hemispherical, Parameters, Quantity, Table,
+    about_z, degrees, direction, from_specular, radians,
 };
 
 /// Steps in θ, and in φ and ψ, of a table that is resampled, where its values do not bend.
@@ -152,8 +152,8 @@ impl SpecularGrid {
     }
 }
 
-/// Directions to light and viewer of a node in degrees: incident polar angle and azimuth, angle from the mirror direction and
-/// azimuth about it.
+/// Directions to light and viewer of a node in degrees: incident polar angle and azimuth, angle from the mirror
+/// direction and azimuth about it.
 fn node([sigma, psi]: [f64; 2], theta: f64, phi: f64) -> (Vec3, Vec3) {
     let [sigma, psi, theta, phi] = [sigma, psi, theta, phi].map(f64::to_radians);
     (direction(sigma, psi), about_z(&from_specular(theta, phi, sigma), psi))
@@ -169,7 +169,7 @@ pub(super) fn line(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
 }
 
-fn source(provenance: &Provenance) -> &str {
+fn source(provenance: &FileProvenance) -> &str {
     let known = ["Measured", "Generated", "Edited", "Morphed"];
     let stated = provenance.source.as_deref().unwrap_or_default();
     known
@@ -178,26 +178,26 @@ fn source(provenance: &Provenance) -> &str {
         .unwrap_or("Generated")
 }
 
-fn colour_model(channels: &Channels) -> String {
+fn colour_model(channels: &ChannelSet) -> String {
     match channels {
-        Channels::Monochrome => "BW".into(),
-        Channels::Rgb | Channels::Xyz => "RGB".into(),
-        Channels::Wavelengths(grid) => format!("spectral {}", grid.len()),
+        ChannelSet::Monochrome => "BW".into(),
+        ChannelSet::Rgb | ChannelSet::Xyz => "RGB".into(),
+        ChannelSet::Wavelengths(grid) => format!("spectral {}", grid.len()),
     }
 }
 
 /// First lines of the blocks, one a channel.
-fn block_names(channels: &Channels) -> Vec<String> {
+fn block_names(channels: &ChannelSet) -> Vec<String> {
     match channels {
-        Channels::Monochrome => vec!["bw".into()],
-        Channels::Rgb | Channels::Xyz => ["red", "gre", "blu"].map(String::from).to_vec(),
-        Channels::Wavelengths(grid) => grid.nm().iter().map(|nm| format!("wl {nm}")).collect(),
+        ChannelSet::Monochrome => vec!["bw".into()],
+        ChannelSet::Rgb | ChannelSet::Xyz => ["red", "gre", "blu"].map(String::from).to_vec(),
+        ChannelSet::Wavelengths(grid) => grid.nm().iter().map(|nm| format!("wl {nm}")).collect(),
     }
 }
 
 /// XYZ becomes RGB; all else stays.
-fn mapped(values: Vec<f64>, channels: &Channels, notices: &mut Vec<String>) -> Result<Vec<f64>, WriteError> {
-    if *channels != Channels::Xyz {
+fn mapped(values: Vec<f64>, channels: &ChannelSet, notices: &mut Vec<String>) -> Result<Vec<f64>, WriteError> {
+    if *channels != ChannelSet::Xyz {
         return Ok(values);
     }
     let map = ChannelMap::to_rgb(channels, notices)?;

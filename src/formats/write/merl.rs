@@ -8,7 +8,7 @@ use super::WriteError;
 use super::balance::{Balance, hemispherical, mapped};
 use super::sampling::{ChannelMap, Sampler, clipped, every};
 use crate::geometry::Vec3;
-use crate::goniometric::{Channels, Component, Hemispherical, Quantity, Scatter, Side, Table};
+use crate::goniometric::{ChannelSet, Component, Hemispherical, Quantity, Scatter, Side, Table};
 
 /// Departures of hemispherical values that nodes are not scaled for.
 const KEPT: f64 = 5e-3;
@@ -21,7 +21,7 @@ const TURNS: usize = 8;
 pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
     let component = content.component;
     let map = ChannelMap::to_rgb(&component.channels, notices)?;
-    let as_rgb = component.with_channels(Channels::Rgb, |values| map.apply(values));
+    let as_rgb = component.with_channels(ChannelSet::Rgb, |values| map.apply(values));
     let (component, map) = match &as_rgb {
         Some(as_rgb) => (as_rgb, ChannelMap::Same),
         None => (component, map),
@@ -111,7 +111,8 @@ impl Departure {
     }
 }
 
-/// Scales values by √(a(θ_i) a(θ_o)), which keeps them reciprocal, with a such that hemispherical values are the source's.
+/// Scales values by √(a(θ_i) a(θ_o)), which keeps them reciprocal, with a such that hemispherical values are the
+/// source's.
 fn keep(
     component: &Component,
     map: &ChannelMap,
@@ -148,7 +149,7 @@ fn keep(
             scatter: Scatter::Reflection,
             side: Side::Front,
             quantity: Quantity::Bsdf,
-            channels: Channels::Rgb,
+            channels: ChannelSet::Rgb,
             table: Table::Grid(merl::table(rgb)),
         };
         incidences_deg

@@ -14,13 +14,15 @@ const TOLERANCE: f64 = 3e-3;
 /// Closest nodes, in degrees.
 const CLOSEST_DEG: f64 = 0.01;
 
-/// Directions of incidence whose values decide on the nodes, with the source's hemispherical value, the mean over channels.
+/// Directions of incidence whose values decide on the nodes, with the source's hemispherical value, the mean over
+/// channels.
 pub(super) struct Probe<'a> {
     sampler: Sampler<'a>,
     incidences_deg: Vec<([f64; 2], f64)>,
 }
 
-/// Cuts intervals in half, the one of the largest error first, until the errors add up to the tolerance or there are `most` nodes.
+/// Cuts intervals in half, the one of the largest error first, until the errors add up to the tolerance or there are
+/// `most` nodes.
 fn refined(
     start: Vec<f64>,
     most: usize,
@@ -75,8 +77,8 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Both lists of nodes in degrees, from even ones on, at most so many. `directions` gives the directions to light and viewer
-    /// of an incidence, polar angle and azimuth, in degrees.
+    /// Both lists of nodes in degrees, from even ones on, at most so many. `directions` gives the directions to light
+    /// and viewer of an incidence, polar angle and azimuth, in degrees.
     pub(super) fn nodes(
         &self,
         [polar, around]: [Vec<f64>; 2],

@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use rayon::prelude::*;
@@ -8,8 +9,8 @@ use super::balance::Balance;
 use super::sampling::{ChannelMap, Sampler, clipped};
 use crate::geometry::Vec3;
 use crate::goniometric::{
-    Channels, Component, Format, Hemispherical, KlemsBasis, KlemsMatrix, Provenance, Scatter, Side, SpecularTable,
-    Table, angles_of, rounded_deg,
+    ChannelSet, Component, FileProvenance, Format, Hemisphere, Hemispherical, KlemsBasis, KlemsMatrix, Scatter, Side,
+    SpecularTable, Table, angles_of, rounded_deg,
 };
 
 /// Points along either side of a patch that its mean is taken over, exiting and incident.
@@ -18,8 +19,8 @@ const INCIDENT: usize = 2;
 /// Share of a patch that the points of an integral stand for, from which on they are its mean.
 const COVERED: f64 = 0.5;
 
-/// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z. Specular fractions are
-/// on their diagonals.
+/// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z. Specular fractions
+/// are on their diagonals.
 pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
     let (components, provenance) = (content.components, content.provenance);
     let mut matrices: Vec<(&Component, KlemsMatrix)> = Vec::new();
@@ -76,7 +77,7 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
     Ok(text.into_bytes())
 }
 
-fn name(provenance: &Provenance) -> String {
+fn name(provenance: &FileProvenance) -> String {
     let stated = provenance
         .statements
         .iter()
@@ -131,8 +132,9 @@ fn block(text: &mut String, component: &Component, matrix: &KlemsMatrix, wavelen
     *text += "</ScatteringData>\n</WavelengthDataBlock>\n</WavelengthData>\n";
 }
 
-/// Means of f over pairs of patches. Of an exiting patch it is ∫ f cos θ dω over it, by the points of the integral over the
-/// hemisphere, so that hemispherical values stay those of the source; incident directions are even in projected solid angle.
+/// Means of f over pairs of patches. Of an exiting patch it is ∫ f cos θ dω over it, by the points of the integral over
+/// the hemisphere, so that hemispherical values stay those of the source; incident directions are even in projected
+/// solid angle.
 fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) -> Result<KlemsMatrix, WriteError> {
     let basis = KlemsBasis::named("LBNL/Klems Full").ok_or_else(|| WriteError::CannotHold {
         format,
@@ -142,7 +144,7 @@ fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) ->
     })?;
     let sampler = Sampler::new(component, format)?;
     let map = ChannelMap::to_xyz(&component.channels, notices)?;
-    let channels = if component.channels == Channels::Monochrome {
+    let channels = if component.channels == ChannelSet::Monochrome {
         1
     } else {
         3
@@ -150,14 +152,44 @@ fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) ->
     let count = basis.count();
     let exiting: Vec<Vec<Vec3>> = (0..count).map(|patch| inside(&basis, patch, EXITING)).collect();
     let weight = 1.0 / (INCIDENT * INCIDENT) as f64;
+    let towards = |light: &Vec3| Vec3::new(-light.x, -light.y, light.z);
+    // Of an isotropic source the hemispheres at one polar angle are one, turned.
+    let mut polar: BTreeMap<u64, f64> = BTreeMap::new();
+    if component.is_isotropic() {
+        let lights = (0..count).flat_map(|incident| inside(&basis, incident, INCIDENT));
+        let angles = lights.map(|light| angles_of(&towards(&light)).0);
+        angles.for_each(|theta_i| {
+            polar.entry(polar_key(theta_i)).or_insert(theta_i);
+        });
+    }
+    let shared: BTreeMap<u64, Hemisphere> = polar
+        .into_par_iter()
+        .map(|(key, theta_i)| (key, component.hemisphere(theta_i, 0.0)))
+        .collect();
     let columns: Vec<(Vec<f64>, Balance)> = (0..count)
         .into_par_iter()
         .map(|incident| {
             let mut balance = Balance::default();
             let mut column = vec![0.0; channels * count];
             for light in inside(&basis, incident, INCIDENT) {
-                let omega_in = Vec3::new(-light.x, -light.y, light.z);
-                let means = patch_means(component, &basis, &sampler, &exiting, &omega_in, &mut balance)?;
+                let omega_in = towards(&light);
+                let (theta_i, phi_i) = angles_of(&omega_in);
+                let own;
+                let (hemisphere, turn_rad) = match shared.get(&polar_key(theta_i)) {
+                    Some(shared) => (shared, phi_i),
+                    None => {
+                        own = component.hemisphere(theta_i, phi_i);
+                        (&own, 0.0)
+                    }
+                };
+                let means = patch_means(
+                    &basis,
+                    &sampler,
+                    &exiting,
+                    &omega_in,
+                    (hemisphere, turn_rad),
+                    &mut balance,
+                )?;
                 for (out, f) in means.iter().enumerate() {
                     for (channel, f) in map.apply(f).into_iter().enumerate() {
                         column[channel * count + out] += weight * f;
@@ -182,20 +214,25 @@ fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) ->
     Ok(KlemsMatrix::new(basis.clone(), basis, values))
 }
 
-/// Means of f over exiting patches, one value a channel, of light from a direction.
+/// Polar angles that differ by rounding alone have one key.
+fn polar_key(theta_i: f64) -> u64 {
+    (theta_i * 1e9).round() as u64
+}
+
+/// Means of f over exiting patches, one value a channel, of light from a direction, whose hemisphere is to be turned.
 fn patch_means(
-    component: &Component,
     basis: &KlemsBasis,
     sampler: &Sampler,
     exiting: &[Vec<Vec3>],
     omega_in: &Vec3,
+    (hemisphere, turn_rad): (&Hemisphere, f64),
     balance: &mut Balance,
 ) -> Result<Vec<Vec<f64>>, WriteError> {
-    let channels = component.channels.count();
-    let (theta_i, phi_i) = angles_of(omega_in);
+    let channels = sampler.channels();
+    let (theta_i, _) = angles_of(omega_in);
     let mut integrals = vec![vec![0.0; channels]; basis.count()];
     let mut covered = vec![0.0; basis.count()];
-    component.visit_hemisphere(theta_i, phi_i, |omega_out, projected, values| {
+    hemisphere.visit(turn_rad, |omega_out, projected, values| {
         let patch = basis.patch(omega_out);
         covered[patch] += projected;
         integrals[patch].iter_mut().zip(values).for_each(|(sum, f)| *sum += f);
@@ -210,11 +247,12 @@ fn patch_means(
                 integral.iter_mut().zip(f).for_each(|(sum, f)| *sum += f);
             }
             covered[patch] = exiting[patch].len() as f64;
+        } else {
+            sampler.measured(exiting[patch].len());
         }
         integral.iter_mut().for_each(|f| *f /= covered[patch]);
         means.push(integral);
     }
-    let source = component.directional_hemispherical(theta_i, phi_i);
     let sum = |channel: usize| -> f64 {
         let patches = means.iter().enumerate();
         patches
@@ -226,7 +264,7 @@ fn patch_means(
         errors: vec![0.0; channels],
         measured: 1.0,
     };
-    let factors = balance.factors(rounded_deg(theta_i), source.as_ref(), Some(&table), channels);
+    let factors = balance.factors(rounded_deg(theta_i), hemisphere.total(), Some(&table), channels);
     for f in &mut means {
         f.iter_mut().zip(&factors).for_each(|(f, factor)| *f *= factor);
     }

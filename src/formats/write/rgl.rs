@@ -8,13 +8,13 @@ use super::WriteError;
 use super::balance::{Balance, mapped};
 use super::sampling::{ChannelMap, Sampler, clipped};
 use crate::goniometric::{
-    Channels, Component, Hemispherical, Provenance, Table, angles_of, rounded_deg, unwarped_node,
+    ChannelSet, Component, FileProvenance, Hemispherical, Table, angles_of, rounded_deg, unwarped_node,
 };
 
 /// Nodes along the square, of isotropic and of anisotropic tables, from the fewest on.
 const SIZES: [[usize; 3]; 2] = [[64, 128, 256], [32, 64, 96]];
-/// Departure of a hemispherical value from which on more nodes are taken, and the incidence beyond which none are: there lobes
-/// are cut by the horizon, and no number of nodes would do.
+/// Departure of a hemispherical value from which on more nodes are taken, and the incidence beyond which none are:
+/// there lobes are cut by the horizon, and no number of nodes would do.
 const REFINED: f64 = 3e-3;
 const GRAZING_DEG: f64 = 80.5;
 
@@ -25,12 +25,12 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
     let sampler = Sampler::new(component, content.format)?;
     let isotropic = component.is_isotropic();
     let map = match component.channels {
-        Channels::Wavelengths(_) => ChannelMap::Same,
+        ChannelSet::Wavelengths(_) => ChannelMap::Same,
         _ => ChannelMap::to_rgb(&component.channels, notices)?,
     };
     let (phi_i, theta_i, own) = axes(component);
     let nm: Option<Vec<f32>> = match &component.channels {
-        Channels::Wavelengths(grid) => Some(grid.nm().iter().map(|&nm| nm as f32).collect()),
+        ChannelSet::Wavelengths(grid) => Some(grid.nm().iter().map(|&nm| nm as f32).collect()),
         _ => None,
     };
     let single = |list: &[f64]| list.iter().map(|&v| v as f32).collect::<Vec<f32>>();
@@ -236,7 +236,7 @@ fn floor(luminance: &mut [f32], square: usize) {
     }
 }
 
-fn description(provenance: &Provenance) -> String {
+fn description(provenance: &FileProvenance) -> String {
     let stated = provenance.statements.iter().find(|(name, _)| name == "description");
     match stated {
         Some((_, words)) => words.clone(),

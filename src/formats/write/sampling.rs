@@ -8,7 +8,7 @@ use super::WriteError;
 use crate::colour::{ColourSystem, Convention, Xyz};
 use crate::geometry::Vec3;
 use crate::goniometric::{
-    Channels, Component, Format, Parameters, Quantity, Scatter, Side, Table, angles_of, direction,
+    ChannelSet, Component, Format, Parameters, Quantity, Scatter, Side, Table, angles_of, direction,
 };
 use crate::spectrum::WavelengthGrid;
 
@@ -55,6 +55,15 @@ impl<'a> Sampler<'a> {
             asked: AtomicUsize::new(0),
             filled: AtomicUsize::new(0),
         })
+    }
+
+    pub(super) fn channels(&self) -> usize {
+        self.component.channels.count()
+    }
+
+    /// That so many values were had from the source in another way.
+    pub(super) fn measured(&self, values: usize) {
+        self.asked.fetch_add(values, Relaxed);
     }
 
     /// Directions as they are above the surface, light on its front; of transmission the outgoing one mirrored up.
@@ -142,19 +151,19 @@ pub(super) enum ChannelMap {
 }
 
 impl ChannelMap {
-    pub(super) fn to_rgb(from: &Channels, notices: &mut Vec<String>) -> Result<Self, WriteError> {
+    pub(super) fn to_rgb(from: &ChannelSet, notices: &mut Vec<String>) -> Result<Self, WriteError> {
         let of = "linear sRGB under D65, CIE 1931 2° observer";
         Ok(match from {
-            Channels::Rgb => Self::Same,
-            Channels::Monochrome => {
+            ChannelSet::Rgb => Self::Same,
+            ChannelSet::Monochrome => {
                 notices.push("the one channel is written as red, green and blue alike".into());
                 Self::Grey
             }
-            Channels::Xyz => {
+            ChannelSet::Xyz => {
                 notices.push("XYZ is written as linear sRGB".into());
                 Self::Matrix(xyz_to_rgb()?)
             }
-            Channels::Wavelengths(grid) => {
+            ChannelSet::Wavelengths(grid) => {
                 notices.push(format!("spectra are written as {of}"));
                 Self::Spectral {
                     system: Box::new(colour_of(grid, notices)?),
@@ -164,15 +173,15 @@ impl ChannelMap {
         })
     }
 
-    pub(super) fn to_xyz(from: &Channels, notices: &mut Vec<String>) -> Result<Self, WriteError> {
+    pub(super) fn to_xyz(from: &ChannelSet, notices: &mut Vec<String>) -> Result<Self, WriteError> {
         Ok(match from {
-            Channels::Xyz | Channels::Monochrome => Self::Same,
-            Channels::Rgb => {
+            ChannelSet::Xyz | ChannelSet::Monochrome => Self::Same,
+            ChannelSet::Rgb => {
                 notices.push("RGB of no stated primaries is taken as linear sRGB".into());
                 let inverse = xyz_to_rgb()?.try_inverse();
                 Self::Matrix(inverse.unwrap_or_else(Matrix3::identity))
             }
-            Channels::Wavelengths(grid) => {
+            ChannelSet::Wavelengths(grid) => {
                 notices.push("spectra are written as XYZ under D65, CIE 1931 2° observer".into());
                 Self::Spectral {
                     system: Box::new(colour_of(grid, notices)?),

@@ -5,7 +5,9 @@ use super::super::descriptor::Content;
 use super::super::options::Encoding;
 use super::WriteError;
 use super::integra::{SpecularGrid, line};
-use crate::goniometric::{Channels, Component, Fold, Format, Grid, Parameters, Scatter, SpecularTable, Table, degrees};
+use crate::goniometric::{
+    ChannelSet, Component, Fold, Format, Grid, Parameters, Scatter, SpecularTable, Table, degrees,
+};
 
 /// Blocks of values with all their digits, or of 32-bit floats, one a component.
 pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
@@ -30,7 +32,7 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
         if let Some(source) = source {
             let _ = writeln!(text, "SOURCE_TYPE {source}");
         }
-        if let Channels::Wavelengths(grid) = &component.channels {
+        if let ChannelSet::Wavelengths(grid) = &component.channels {
             let _ = writeln!(text, "WAVELENGTH_LIST {}", line(grid.nm()));
         }
         let values = match &component.table {
@@ -61,8 +63,8 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
     Ok(bytes)
 }
 
-/// 32-bit floats. libbsdf takes a '#' behind white space for the beginning of a comment, even here; the value that would begin
-/// the data so is raised by a few units in its last place.
+/// 32-bit floats. libbsdf takes a '#' behind white space for the beginning of a comment, even here; the value that
+/// would begin the data so is raised by a few units in its last place.
 fn binary(values: &[f64], format: Format) -> Result<Vec<u8>, WriteError> {
     let beyond = |value: &&f64| **value > f64::from(f32::MAX);
     if let Some(value) = values.iter().find(beyond) {
@@ -95,12 +97,12 @@ fn kind(component: &Component) -> &'static str {
     }
 }
 
-fn colour_model(channels: &Channels) -> &'static str {
+fn colour_model(channels: &ChannelSet) -> &'static str {
     match channels {
-        Channels::Monochrome => "monochrome",
-        Channels::Rgb => "rgb",
-        Channels::Xyz => "xyz",
-        Channels::Wavelengths(_) => "spectrum",
+        ChannelSet::Monochrome => "monochrome",
+        ChannelSet::Rgb => "rgb",
+        ChannelSet::Xyz => "xyz",
+        ChannelSet::Wavelengths(_) => "spectrum",
     }
 }
 

@@ -20,8 +20,9 @@ impl Look {
     }
 }
 
-/// Look of source number `place` of a role, from 0. The first of each role has the role's own colour and line; later ones take the
-/// next shade and the next pattern of the role's dashes: long for models, medium for samples, dots for classical models.
+/// Look of source number `place` of a role, from 0. The first of each role has the role's own colour and line; later
+/// ones take the next shade and the next pattern of the role's dashes: long for models, medium for samples, dots for
+/// classical models.
 pub(super) fn look(role: Role, place: usize) -> Look {
     let (shades, dashes, width, band_opacity) = match role {
         Role::Model => (
@@ -60,7 +61,8 @@ pub(super) fn finite(se: f64) -> f64 {
 /// Half the width a single view is drawn with, degrees.
 const STUB_DEG: f64 = 2.0;
 
-/// Abscissa, value and standard error of a curve; a single view becomes a short level stroke that a band can be seen on.
+/// Abscissa, value and standard error of a curve; a single view becomes a short level stroke that a band can be seen
+/// on.
 fn strokes(points: &[&CurvePoint]) -> Vec<(f64, f64, f64)> {
     match points {
         [point] => [-STUB_DEG, STUB_DEG]

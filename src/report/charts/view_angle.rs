@@ -1,4 +1,5 @@
-//! Graphs of β over the signed view angle, one an incidence: R in a large panel, G and B beside it on their own ordinates.
+//! Graphs of β over the signed view angle, one an incidence: R in a large panel, G and B beside it on their own
+//! ordinates.
 
 use super::canvas::{
     Area, CAPTION_LINE, DrawingError, Drawn, MARGIN, PANEL_PX, PlotArea, SCALE, TEXT_PX, TICK_PX, TITLE_PX, at,
@@ -35,8 +36,8 @@ pub struct Graph<'a> {
     data: &'a ReportData,
 }
 
-/// Every graph of the result, in order; two for each incidence that has a curve. Where the geometries are the sample's own, an
-/// incidence that it was not measured at, added for Table 1, has none.
+/// Every graph of the result, in order; two for each incidence that has a curve. Where the geometries are the sample's
+/// own, an incidence that it was not measured at, added for Table 1, has none.
 pub fn graphs(data: &ReportData) -> Vec<Graph<'_>> {
     let sampled = data.readings.geometries_of_sample;
     let shown = data

@@ -1,6 +1,6 @@
 use super::Cells;
 use crate::cloth::light::HemisphereNodes;
-use crate::formats::{Channels, Encoding, Format, resampled_nodes};
+use crate::formats::{ChannelSet, Encoding, Format, resampled_nodes};
 
 /// Bytes of a number with six significant digits, as 0.0312345, and of one with all digits, as 0.031234567890123456,
 /// separator included.
@@ -10,7 +10,7 @@ const ALL_DIGITS: f64 = 20.0;
 impl Cells {
     /// Expected size of a file, bytes, within an eighth, because the lengths of numbers vary. `None` for formats whose
     /// files stay far below the limit for reading.
-    pub fn expected_bytes(&self, format: Format, encoding: Encoding, channels: &Channels) -> Option<u64> {
+    pub fn expected_bytes(&self, format: Format, encoding: Encoding, channels: &ChannelSet) -> Option<u64> {
         let Self::Nodes(nodes) = self else { return None };
         let pairs = (self.incident() - 1 + nodes.azimuths()) as f64 * (self.count() - 1 + nodes.azimuths()) as f64;
         // Includes the repeated azimuth that closes the circle.
@@ -20,7 +20,7 @@ impl Cells {
         let bytes = match (format, encoding) {
             (Format::CSV, _) => match channels {
                 // One line for each wavelength, which it states.
-                Channels::Wavelengths(_) => pairs * values * (angle_bytes(nodes, in_degrees) + 4.0 + SIX_DIGITS),
+                ChannelSet::Wavelengths(_) => pairs * values * (angle_bytes(nodes, in_degrees) + 4.0 + SIX_DIGITS),
                 _ => pairs * (angle_bytes(nodes, in_degrees) + values * SIX_DIGITS),
             },
             (Format::ASTM, _) => pairs * (angle_bytes(nodes, |rad| rad.to_string()) + values * SIX_DIGITS),

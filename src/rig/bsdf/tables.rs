@@ -2,8 +2,8 @@ use super::{Cells, FullBsdf};
 use crate::cloth::light::{ClothFraction, HemisphereNodes};
 use crate::colour::{ColourError, ColourSystem, Convention};
 use crate::formats::{
-    Axis, Channels, Component, Fold, Grid, KlemsBasis, KlemsMatrix, Parameters, Quantity, Scatter, Side, SpecularTable,
-    Table,
+    Axis, ChannelSet, Component, Fold, Grid, KlemsBasis, KlemsMatrix, Parameters, Quantity, Scatter, Side,
+    SpecularTable, Table,
 };
 use crate::spectrum::WavelengthGrid;
 use crate::transport::Estimate;
@@ -22,11 +22,11 @@ pub enum Colours {
 
 impl Colours {
     /// Channels for spectra at these wavelengths.
-    pub fn channels(self, grid: &WavelengthGrid) -> Channels {
+    pub fn channels(self, grid: &WavelengthGrid) -> ChannelSet {
         match self {
-            Self::Spectral => Channels::Wavelengths(grid.clone()),
-            Self::Rgb => Channels::Rgb,
-            Self::Xyz => Channels::Xyz,
+            Self::Spectral => ChannelSet::Wavelengths(grid.clone()),
+            Self::Rgb => ChannelSet::Rgb,
+            Self::Xyz => ChannelSet::Xyz,
         }
     }
 }
@@ -84,10 +84,10 @@ impl FullBsdf {
     /// anticorrelated.
     pub fn errors(&self, as_beta: bool) -> Vec<Component> {
         let values = |spectrum: &[Estimate]| spectrum.iter().map(|f| f.se).collect();
-        self.tables(&Channels::Wavelengths(self.grid.clone()), as_beta, &values, false)
+        self.tables(&ChannelSet::Wavelengths(self.grid.clone()), as_beta, &values, false)
     }
 
-    fn tables(&self, channels: &Channels, as_beta: bool, values: &Values, with_gaps: bool) -> Vec<Component> {
+    fn tables(&self, channels: &ChannelSet, as_beta: bool, values: &Values, with_gaps: bool) -> Vec<Component> {
         let (quantity, scale) = if as_beta {
             (Quantity::BrightnessFactor, PI)
         } else {

@@ -2,7 +2,7 @@
 
 use super::YarnLayout;
 use super::tables::{LengthTable, Table};
-use crate::artefact::{ArrayInfo, ArtefactError, Element, ElementType, Kind, Reader, Writer};
+use crate::artefact::{ArrayInfo, ArtefactError, ArtefactKind, Element, ElementType, Reader, Writer};
 use crate::run::RunError;
 use crate::transport::BatchSums;
 use crate::yarn::{LengthSums, LengthTally};
@@ -132,7 +132,7 @@ impl Entry<'_> {
 /// Writes a file of these arrays whole or not at all.
 pub(super) fn write(
     path: &Path,
-    kind: Kind,
+    kind: ArtefactKind,
     layout: &YarnLayout,
     header: &serde_json::Value,
     entries: Vec<Entry>,

@@ -1,4 +1,4 @@
-use crate::artefact::{ArtefactError, Identity, Kind, Reader};
+use crate::artefact::{ArtefactError, ArtefactKind, Identity, Reader};
 use crate::optics::Medium;
 use crate::report::InputDigest;
 use crate::run::plan::{bssrdf_surface, factor_grid, incident_grid};
@@ -97,7 +97,7 @@ impl YarnLayout {
     }
 
     /// Reads the layout of a file whose header has the axes under `axes`.
-    pub(super) fn read(path: &Path, kind: Kind, reader: &Reader) -> Result<Self, RunError> {
+    pub(super) fn read(path: &Path, kind: ArtefactKind, reader: &Reader) -> Result<Self, RunError> {
         let settings: YarnSettings = parse(path, kind, "identity", reader.identity().value())?;
         let axes: YarnAxes = parse(path, kind, "header.axes", &reader.header()["axes"])?;
         let trace = &settings.study.trace;
@@ -158,7 +158,7 @@ impl YarnLayout {
 /// Parses a part of the JSON of a verified file.
 pub(super) fn parse<T: serde::de::DeserializeOwned>(
     path: &Path,
-    kind: Kind,
+    kind: ArtefactKind,
     what: &str,
     value: &Value,
 ) -> Result<T, RunError> {
@@ -166,7 +166,7 @@ pub(super) fn parse<T: serde::de::DeserializeOwned>(
         .map_err(|cause| damaged(path, kind, format!("`{what}` that cannot be read ({cause})")))
 }
 
-pub(super) fn damaged(path: &Path, kind: Kind, found: String) -> RunError {
+pub(super) fn damaged(path: &Path, kind: ArtefactKind, found: String) -> RunError {
     RunError::Artefact(ArtefactError::Damaged {
         path: path.to_owned(),
         kind,

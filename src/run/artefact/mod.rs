@@ -15,7 +15,7 @@ pub use state::{YarnBatch, YarnSums};
 pub use tables::{LengthTable, Table};
 
 use super::{RunError, energy_rows};
-use crate::artefact::{ArtefactError, Kind, Reader};
+use crate::artefact::{ArtefactError, ArtefactKind, Reader};
 use crate::report::EnergyRow;
 use crate::transport::{Column, Estimate};
 use arrays::{Entry, Values, write};
@@ -78,7 +78,7 @@ impl YarnArtefact {
             }
         }
         let header = serde_json::json!({ "batches": self.batches, "axes": layout.axes });
-        write(path, Kind::Artefact, layout, &header, entries)
+        write(path, ArtefactKind::Artefact, layout, &header, entries)
     }
 
     /// Reads a file back, bit for bit.
@@ -88,9 +88,14 @@ impl YarnArtefact {
 
     /// The same with the file's SHA-256 in hexadecimal.
     pub fn read_with_digest(path: &Path) -> Result<(Self, String), RunError> {
-        let mut file = Reader::open(path, Kind::Artefact)?;
-        let layout = YarnLayout::read(path, Kind::Artefact, &file)?;
-        let batches = parse(path, Kind::Artefact, "header.batches", &file.header()["batches"])?;
+        let mut file = Reader::open(path, ArtefactKind::Artefact)?;
+        let layout = YarnLayout::read(path, ArtefactKind::Artefact, &file)?;
+        let batches = parse(
+            path,
+            ArtefactKind::Artefact,
+            "header.batches",
+            &file.header()["batches"],
+        )?;
         let energy = read_energy(&mut file, &layout)?;
         let traced = layout.settings.reabsorbed.is_empty();
         let tables = MeanTables::read(&mut file, &layout, Part::Means, traced)?;

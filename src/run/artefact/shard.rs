@@ -3,7 +3,7 @@ use super::catalogue::{BatchTables, Part};
 use super::layout::{damaged, parse};
 use super::state::{ledgers_entry, read_ledgers};
 use super::{YarnArtefact, YarnBatch, YarnLayout, YarnSums};
-use crate::artefact::{ArrayInfo, Kind, Reader, Writer};
+use crate::artefact::{ArrayInfo, ArtefactKind, Reader, Writer};
 use crate::run::shard::numbers;
 use crate::run::{Progress, RunError, Shard, ShardError};
 use std::collections::BTreeSet;
@@ -29,7 +29,7 @@ impl<'a> ShardWriter<'a> {
             .map(|entry| entry.info)
             .collect();
         let header = serde_json::json!({ "shard": shard.to_string(), "axes": layout.axes });
-        let file = Writer::create(path, Kind::Shard, &layout.identity()?, &header, &arrays)?;
+        let file = Writer::create(path, ArtefactKind::Shard, &layout.identity()?, &header, &arrays)?;
         Ok(Self { layout, file })
     }
 
@@ -75,21 +75,27 @@ pub fn merge_shards(paths: &[PathBuf], progress: Progress) -> Result<YarnArtefac
     let mut shards = Vec::with_capacity(paths.len());
     let step = 0.5 / paths.len() as f64;
     for path in paths {
-        let file = Reader::open(path, Kind::Shard)?;
+        let file = Reader::open(path, ArtefactKind::Shard)?;
         let read = match &layout {
             Some(layout) => {
                 file.expect(&layout.identity()?)?;
-                YarnLayout::read(path, Kind::Shard, &file)?
+                YarnLayout::read(path, ArtefactKind::Shard, &file)?
             }
-            None => layout.insert(YarnLayout::read(path, Kind::Shard, &file)?).clone(),
+            None => layout
+                .insert(YarnLayout::read(path, ArtefactKind::Shard, &file)?)
+                .clone(),
         };
         if Some(&read) != layout.as_ref() {
-            return Err(damaged(path, Kind::Shard, "other axes than its study has".into()));
+            return Err(damaged(
+                path,
+                ArtefactKind::Shard,
+                "other axes than its study has".into(),
+            ));
         }
-        let name: String = parse(path, Kind::Shard, "header.shard", &file.header()["shard"])?;
+        let name: String = parse(path, ArtefactKind::Shard, "header.shard", &file.header()["shard"])?;
         let shard: Shard = name
             .parse()
-            .map_err(|e: ShardError| damaged(path, Kind::Shard, e.to_string()))?;
+            .map_err(|e: ShardError| damaged(path, ArtefactKind::Shard, e.to_string()))?;
         shards.push(ShardFile {
             path: path.clone(),
             batches: shard.batches(read.batches())?,

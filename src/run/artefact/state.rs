@@ -2,7 +2,7 @@ use super::YarnLayout;
 use super::arrays::{Entry, Values, write};
 use super::catalogue::{BatchTables, LEDGERS, Part, SumTables};
 use super::layout::parse;
-use crate::artefact::{ArtefactError, Kind, Reader};
+use crate::artefact::{ArtefactError, ArtefactKind, Reader};
 use crate::run::RunError;
 use crate::transport::Ledger;
 use std::path::Path;
@@ -46,7 +46,7 @@ impl YarnSums {
             .collect();
         entries.extend(self.tables.entries(layout, Part::Sums));
         let header = serde_json::json!({ "batches": self.ledgers.len(), "axes": layout.axes });
-        write(path, Kind::State, layout, &header, entries)
+        write(path, ArtefactKind::State, layout, &header, entries)
     }
 
     /// Reads the state of a run of this layout, bit for bit; `None` where there is no file.
@@ -54,11 +54,11 @@ impl YarnSums {
     /// # Errors
     /// A file that is damaged or the state of another run. It stays as it is.
     pub fn load(layout: &YarnLayout, path: &Path) -> Result<Option<Self>, RunError> {
-        let Some(mut file) = Reader::open_if_there(path, Kind::State)? else {
+        let Some(mut file) = Reader::open_if_there(path, ArtefactKind::State)? else {
             return Ok(None);
         };
         file.expect(&layout.identity()?)?;
-        let batches: usize = parse(path, Kind::State, "header.batches", &file.header()["batches"])?;
+        let batches: usize = parse(path, ArtefactKind::State, "header.batches", &file.header()["batches"])?;
         let ledgers = (0..batches).map(|batch| read_ledgers(&mut file, layout, batch));
         let ledgers = ledgers.collect::<Result<_, _>>()?;
         let mut tables = SumTables::read(&mut file, layout, Part::Sums, true)?;

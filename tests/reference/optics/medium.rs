@@ -77,8 +77,8 @@ fn interference_takes_away_what_percus_yevick_says() {
     }
 }
 
-/// The factor is in the phase function itself, at every angle: over that at sin(θ/2) = ¾, so that the normalisation cancels,
-/// against the two factors worked out apart.
+/// The factor is in the phase function itself, at every angle: over that at sin(θ/2) = ¾, so that the normalisation
+/// cancels, against the two factors worked out apart.
 #[test]
 fn interference_shapes_the_phase_function() {
     let spec = MediumSpec {

@@ -209,7 +209,8 @@ fn small_spheres_follow_rayleigh() {
     }
 }
 
-/// Twice the geometric cross section, half of it diffracted forwards, half reflected evenly: Q = 2, g = 1/2, Q_back = 1.
+/// Twice the geometric cross section, half of it diffracted forwards, half reflected evenly: Q = 2, g = 1/2, Q_back =
+/// 1.
 #[test]
 fn large_conducting_spheres_follow_geometrical_optics() {
     let q = Mie::conducting(MAX_SIZE_PARAMETER).unwrap().efficiencies();

@@ -17,7 +17,8 @@ fn closed_form_in_fifty_digits() {
     }
 }
 
-/// Between the rows of the table the function is as smooth as between its series and its closed form: no jump at the seam.
+/// Between the rows of the table the function is as smooth as between its series and its closed form: no jump at the
+/// seam.
 #[test]
 fn smooth_across_the_seam_of_its_two_forms() {
     for eta in [0.05, 0.14, 0.7] {

@@ -8,7 +8,7 @@ pub(super) struct Header<'a> {
     pub(super) source: Option<String>,
     pub(super) fold: Fold,
     pub(super) rotational: bool,
-    pub(super) colour: Option<Colour>,
+    pub(super) colour: Option<ColourHeader>,
     pub(super) quantity: Quantity,
     pub(super) relative: bool,
     pub(super) psi_deg: Option<Vec<f64>>,
@@ -22,13 +22,13 @@ pub(super) struct Header<'a> {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Colour {
+pub(super) enum ColourHeader {
     Bw,
     Rgb,
     Spectral(usize),
 }
 
-impl Colour {
+impl ColourHeader {
     pub(super) fn blocks(self) -> usize {
         match self {
             Self::Bw => 1,
@@ -68,9 +68,9 @@ pub(super) fn header<'a>(tokens: &mut Tokens<'a>, diffuse: bool) -> Result<Heade
             "typecolormodel" => {
                 once(colour.is_some())?;
                 colour = Some(match one_of(tokens, &["BW", "RGB", "spectral"])? {
-                    "BW" => Colour::Bw,
-                    "RGB" => Colour::Rgb,
-                    _ => Colour::Spectral(tokens.count("wavelengths")?),
+                    "BW" => ColourHeader::Bw,
+                    "RGB" => ColourHeader::Rgb,
+                    _ => ColourHeader::Spectral(tokens.count("wavelengths")?),
                 });
             }
             "typesym" if diffuse => {

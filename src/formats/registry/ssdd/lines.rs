@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
 
-use crate::formats::error::{FormatError, Place, remedy};
+use crate::formats::error::{FormatError, Location, remedy};
 use crate::formats::text::{finite, quoted};
 
 /// The lines of a file that may hold binary data between them.
@@ -47,7 +47,7 @@ impl<'a> Lines<'a> {
         found: impl Into<String>,
         remedy: impl Into<String>,
     ) -> FormatError {
-        let place = Place::Row {
+        let place = Location::Row {
             line: self.number.max(1),
             column: None,
         };
