@@ -95,6 +95,7 @@ macro_rules! built_in_weaves {
             /// Names of [`Self::BUILT_IN`].
             pub const NAMES: &'static [&'static str] = &[$($name),+];
 
+            /// The draft of this weave.
             pub fn draft(&self) -> Draft {
                 match self {
                     $(Self::$weave => Draft::of_drawdown(&$rows),)+
@@ -137,6 +138,7 @@ built_in_weaves! {
 }
 
 impl Weave {
+    /// The built-in weave of this name; `None` for other names.
     pub fn named(name: &str) -> Option<Self> {
         let place = Self::NAMES.iter().position(|known| *known == name)?;
         Self::BUILT_IN.get(place).cloned()

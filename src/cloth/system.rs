@@ -18,6 +18,7 @@ impl System {
         }
     }
 
+    /// The other system.
     pub fn other(self) -> Self {
         match self {
             Self::Warp => Self::Weft,

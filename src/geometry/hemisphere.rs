@@ -16,14 +16,17 @@ impl HemisphereGrid {
         (theta_cells >= 1 && phi_cells >= 4 && phi_cells.is_multiple_of(4)).then_some(Self { theta_cells, phi_cells })
     }
 
+    /// Number of polar cells.
     pub fn theta_cells(&self) -> usize {
         self.theta_cells
     }
 
+    /// Number of azimuth cells.
     pub fn phi_cells(&self) -> usize {
         self.phi_cells
     }
 
+    /// Number of all cells.
     pub fn cells(&self) -> usize {
         self.theta_cells * self.phi_cells
     }

@@ -20,6 +20,7 @@ impl Sectors {
         }
     }
 
+    /// Number of sectors of the circle.
     pub fn count(&self) -> usize {
         4 * (self.tangents.len() + 1)
     }

@@ -46,8 +46,8 @@ impl Axis {
         Self { nodes_rad, beyond }
     }
 
-    /// An azimuth: a single node stands for all of the circle. The arc from the last node round to the first counts as
-    /// measured if it is no wider than the widest one between neighbours.
+    /// An azimuth axis; a single node represents the whole circle. The arc from the last node to the first counts as
+    /// measured if it is not wider than the widest arc between neighbours.
     pub(crate) fn azimuth(nodes_rad: Vec<f64>, period_rad: f64) -> Self {
         let beyond = match nodes_rad.as_slice() {
             [_] => Beyond::Everything,
@@ -64,6 +64,7 @@ impl Axis {
         Self { nodes_rad, beyond }
     }
 
+    /// Nodes in radians, ascending.
     pub fn nodes_rad(&self) -> &[f64] {
         &self.nodes_rad
     }
@@ -73,9 +74,9 @@ impl Axis {
         self.beyond == Beyond::Everything
     }
 
-    /// The axis with nodes at 0 and at the whole turn, for readers that do not close the circle themselves, and of each
-    /// node the own nodes that its values are a mean of, with their shares. `None` where nothing is to be added: axes
-    /// that are no whole circle, single azimuths, and circles that are closed.
+    /// The axis with added nodes at 0 and 360°, for programs that do not close the circle themselves, and for each of
+    /// its nodes the original nodes and weights of which its value is the mean. `None` if nothing is added: axes that
+    /// do not cover the circle, single azimuths, and closed circles.
     pub(crate) fn closed(&self) -> Option<(Self, Vec<Shares>)> {
         if self.beyond != Beyond::First(TAU) {
             return None;

@@ -2,9 +2,9 @@
 
 use super::grid::Grid;
 
-/// Divides values f cos θ_out by the cosine at their nodes, so that f is what is interpolated: a cosine has no straight
-/// course between nodes, and none to divide by at the horizon. Nodes there and below hold f of the next one above the
-/// horizon on their arc of the third angle, or else on the arc before or behind. Their number is returned.
+/// Divides values f cos θ_out by the cosine at their nodes, so that f is interpolated: the cosine is not linear between
+/// nodes and vanishes at the horizon. Nodes at and below the horizon get f of the next node above it on their arc of
+/// the third angle, or else on the previous or next arc. Returns the number of these nodes.
 pub(crate) fn divide_by_cosine(grid: &mut Grid) -> usize {
     /// Smallest cosine at which a value of few digits still determines f.
     const HORIZON: f64 = 1e-4;

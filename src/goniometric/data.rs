@@ -98,6 +98,7 @@ impl Goniometric {
         self.components.iter().find_map(|c| c.eval(omega_in, omega_out))
     }
 
+    /// The component for a kind of scattering and a side of the light; `None` if the file has none.
     pub fn component(&self, scatter: Scatter, side: Side) -> Option<&Component> {
         self.components
             .iter()
@@ -118,7 +119,7 @@ impl Component {
         format!("{scatter} of light from the {side}")
     }
 
-    /// Values at unit directions to the light and to the viewer. `None` outside what was measured, on the wrong sides
+    /// Values at unit vectors towards the light and the viewer. `None` outside the measured range, on the wrong sides
     /// of the surface, and for specular tables.
     pub fn eval(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Evaluation> {
         let (omega_in, omega_out) = self.upright(omega_in, omega_out)?;
@@ -131,8 +132,8 @@ impl Component {
         })
     }
 
-    /// Standard errors of [`Component::eval`]'s values, one a channel, in the file's quantity; `None` where the file
-    /// states none.
+    /// Standard errors of the values of [`Component::eval`], one per channel, in the file's quantity; `None` if the
+    /// file states none.
     pub fn standard_errors(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Vec<f64>> {
         let Table::Scattered(scattered) = &self.table else {
             return None;
@@ -141,8 +142,8 @@ impl Component {
         scattered.standard_errors(&omega_in, &omega_out)
     }
 
-    /// Adds f in 1/sr of the pair turned about the normal by each of the angles in radians, and takes out of the list
-    /// those at which there is a value. What turns do not change is worked out once.
+    /// Adds f in 1/sr of the pair rotated about the normal by each of the angles in radians, and removes from the list
+    /// the angles that have a value. Terms that are invariant under rotation are evaluated once.
     pub(crate) fn add_bsdf_turned(
         &self,
         omega_in: &Vec3,
@@ -176,7 +177,7 @@ impl Component {
         }
     }
 
-    /// Both directions as tables know them: light from above that is seen from above. `None` on the wrong sides of the
+    /// Both directions in the convention of tables: light and view from above. `None` on the wrong sides of the
     /// surface.
     fn upright(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<(Vec3, Vec3)> {
         let up = |side: Side| if side == Side::Front { 1.0 } else { -1.0 };
@@ -189,8 +190,8 @@ impl Component {
         (omega_in.z >= HORIZON && omega_out.z >= HORIZON).then_some((omega_in, omega_out))
     }
 
-    /// The same table with other channels, by a linear map, where what lies between nodes is linear in them:
-    /// interpolating fewer channels takes less time. `None` of other tables.
+    /// The same table with other channels, by a linear map, if its interpolation is linear in the values: interpolating
+    /// fewer channels is faster. `None` for other tables.
     pub(crate) fn with_channels(&self, channels: ChannelSet, map: impl Fn(&[f64]) -> Vec<f64>) -> Option<Self> {
         let count = channels.count();
         let table = match &self.table {

@@ -85,14 +85,17 @@ impl Grid {
         }
     }
 
+    /// Parametrisation of the four angles.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
+    /// The four axes, in the order of the parameters.
     pub fn axes(&self) -> &[Axis; 4] {
         &self.axes
     }
 
+    /// Symmetry of the last azimuth.
     pub fn fold(&self) -> Fold {
         self.fold
     }
@@ -196,8 +199,8 @@ impl Grid {
         ))
     }
 
-    /// The largest difference, relative to the larger, between values at azimuths a whole turn apart, which are of one
-    /// direction; 0 where the table has no two such azimuths.
+    /// Largest difference between values at azimuths 360° apart (the same direction), relative to the larger value; 0
+    /// if the table has no such pair.
     pub(crate) fn seam(&self) -> f64 {
         let shape = self.shape();
         let mut largest = 0.0f64;
@@ -278,8 +281,8 @@ impl Grid {
         Some((values, placement))
     }
 
-    /// Adds `weight` times the values of the pair turned about the normal by each of the angles, and takes out of the
-    /// list those at which there are values.
+    /// Adds `weight` times the values of the pair rotated about the normal by each of the angles, radians, and removes
+    /// from the list the angles that have values.
     pub(crate) fn add_turned(
         &self,
         omega_in: &Vec3,
@@ -406,7 +409,7 @@ impl Grid {
 mod tests {
     use super::*;
 
-    /// Each set of angles leads to directions that have these angles.
+    /// Converting angles to directions and back gives the same angles.
     #[test]
     fn parameters_invert() {
         let degrees = |d: [f64; 4]| d.map(f64::to_radians);

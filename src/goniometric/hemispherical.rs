@@ -116,7 +116,7 @@ struct Cut {
 }
 
 impl Cut {
-    /// `nodes` need no order; azimuths may be any, and are told by `turn`.
+    /// Nodes may be in any order. Azimuths may have any value and are measured from `turn`.
     fn new(chart: Parametrisation, turn: f64, polar_nodes: &[f64], azimuth_nodes: &[f64]) -> Self {
         let last = chart.farthest();
         let inside = polar_nodes.iter().copied().filter(|a| *a > 1e-9 && *a < last - 1e-9);
@@ -313,8 +313,8 @@ impl Component {
             sums.values.iter_mut().zip(&cell.sums).for_each(|(sum, v)| *sum += v);
             sums.errors.iter_mut().zip(&cell.errors).for_each(|(sum, e)| *sum += e);
         }
-        // The same rule gives the projected hemisphere, to an error far below any gap of a table. The ratio to it is
-        // exact where f is constant.
+        // The same rule integrates the projected hemisphere, with an error far below any gap of a table. The ratio of
+        // the integrals is exact for constant f.
         sums.measured /= PI;
         if (sums.measured - 1.0).abs() < 1e-4 {
             sums.values.iter_mut().for_each(|v| *v /= sums.measured);
@@ -337,8 +337,8 @@ impl Component {
         })
     }
 
-    /// The integral over the hemisphere of outgoing directions (upright, as tables know them), light being from above.
-    /// Without points for tables that are constant on cells, and where nothing was measured.
+    /// Integral over the hemisphere of outgoing directions (upright), with light from above. It has no points for tables
+    /// that are constant on cells, or if nothing was measured.
     pub(crate) fn hemisphere(&self, theta_i: f64, phi_i: f64) -> Hemisphere {
         let mut points = Vec::new();
         let total = match self.integral(theta_i, phi_i) {
@@ -357,11 +357,11 @@ impl Component {
     }
 }
 
-/// Points all over the hemisphere of outgoing directions.
+/// Quadrature points over the hemisphere of outgoing directions, and the integral.
 pub(crate) struct Hemisphere {
-    /// Direction, cos θ dω, and f cos θ dω a channel.
+    /// Direction, cos θ dω, and f cos θ dω per channel.
     points: Vec<(Vec3, f64, Vec<f64>)>,
-    /// As [`Component::directional_hemispherical`]: the sums of the points, to the error of that.
+    /// As [`Component::directional_hemispherical`]; equals the sums of the points to its error.
     total: Option<Hemispherical>,
 }
 
@@ -370,7 +370,7 @@ impl Hemisphere {
         self.total.as_ref()
     }
 
-    /// Visits the points turned about the normal: direction, cos θ dω, and f cos θ dω a channel.
+    /// Visits the points rotated about the normal by `turn_rad`: direction, cos θ dω, and f cos θ dω per channel.
     pub(crate) fn visit(&self, turn_rad: f64, mut visit: impl FnMut(&Vec3, f64, &[f64])) {
         for (out, projected, values) in &self.points {
             visit(&about_z(out, turn_rad), *projected, values);

@@ -37,6 +37,7 @@ pub struct FileProvenance {
     pub comments: Vec<String>,
 }
 
+/// Reflection or transmission.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scatter {
@@ -44,6 +45,7 @@ pub enum Scatter {
     Transmission,
 }
 
+/// Side of the surface the light comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
@@ -79,7 +81,7 @@ impl Quantity {
         }
     }
 
-    /// The value that stands for f in 1/sr; `None` where the quantity has no f.
+    /// The value that represents f in 1/sr; `None` if the quantity has no f.
     pub fn of_bsdf(self, bsdf: f64, cos_out: f64) -> Option<f64> {
         match self {
             Self::Bsdf => Some(bsdf),

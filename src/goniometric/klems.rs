@@ -65,7 +65,8 @@ impl KlemsBasis {
         self.patches[..ring].iter().sum::<usize>() + sector
     }
 
-    /// A direction inside a patch: shares 0..1 of its projected solid angle outwards and of its azimuths.
+    /// A direction inside a patch, from fractions 0..1 of its projected solid angle (outwards) and of its azimuth
+    /// range.
     pub fn direction(&self, patch: usize, outwards: f64, around: f64) -> Vec3 {
         let (ring, sector) = self.ring_of(patch);
         let sin2 = |limit: f64| limit.to_radians().sin().powi(2);
@@ -115,10 +116,12 @@ impl KlemsMatrix {
         }
     }
 
+    /// Patches of the incident hemisphere.
     pub fn incident(&self) -> &KlemsBasis {
         &self.incident
     }
 
+    /// Patches of the exiting hemisphere.
     pub fn exiting(&self) -> &KlemsBasis {
         &self.exiting
     }

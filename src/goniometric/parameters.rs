@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use super::direction::{angles_of, direction};
 use crate::geometry::Vec3;
 
-/// The four angles a file gives its values over. Formulas take directions with the incident azimuth turned to 0; of
-/// transmission, the outgoing direction is mirrored to the incident side first.
+/// The four angles that parametrise a file's values. Formulas take directions rotated to incident azimuth 0; in
+/// transmission, the outgoing direction is first mirrored to the incident side.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parameters {
     /// Incident polar angle and azimuth, outgoing polar angle and azimuth. In anisotropic tables the outgoing azimuth
@@ -21,7 +21,7 @@ pub enum Parameters {
     Distorted { offsets_rad: Vec<f64> },
 }
 
-/// What values elsewhere follow from the last azimuth's stored range by.
+/// Symmetry that gives the values outside the stored range of the last azimuth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fold {
     /// The whole circle is stored.

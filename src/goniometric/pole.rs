@@ -11,8 +11,8 @@ const TOLD: f64 = 1e-3;
 /// Distance from the pole, radians, that counts as the pole.
 const AT_POLE_RAD: f64 = 1e-9;
 
-/// Puts the mean over azimuth, each node weighted by its share of the circle, into the nodes of every pole, and warns
-/// where they differed.
+/// Sets the nodes of every pole to their mean over azimuth, weighted by each node's fraction of the circle, and warns
+/// if they differed.
 pub(crate) fn give_one_value(data: &mut Goniometric) {
     let mut largest = 0.0f64;
     for component in &mut data.components {
@@ -54,8 +54,8 @@ fn outgoing(grid: &mut Grid) -> f64 {
     largest
 }
 
-/// The pole of the first two angles, of tables that depend on the second. Where the last azimuth turns with the second
-/// angle, nodes of one direction are found only if turns lead from nodes to nodes; else the columns stay as they are.
+/// The pole of the first two angles, for tables that depend on the second. If the last azimuth rotates with the second
+/// angle, nodes of one direction exist only if rotations map nodes to nodes; otherwise the columns are unchanged.
 fn incident(grid: &mut Grid) -> f64 {
     let axes = grid.axes();
     if axes[0].nodes_rad()[0].abs() > AT_POLE_RAD || axes[1].nodes_rad().len() == 1 {
@@ -64,7 +64,7 @@ fn incident(grid: &mut Grid) -> f64 {
     let shares = axes[1].shares();
     let azimuths = axes[1].nodes_rad().to_vec();
     let last = axes[3].nodes_rad().to_vec();
-    // In spherical tables the last azimuth counts from x; in the others it turns with the first one.
+    // In spherical tables the last azimuth is measured from x; in the others it rotates with the first one.
     let turns = *grid.parameters() != Parameters::Spherical;
     let same_direction = |i1: usize, i3: usize| -> Option<Vec<usize>> {
         if !turns {
@@ -94,8 +94,7 @@ fn incident(grid: &mut Grid) -> f64 {
     largest
 }
 
-/// The mean of the values there are, and the largest difference from it over it; `None` where they differ by rounding
-/// alone.
+/// Mean of the existing values, and largest relative difference from it; `None` if they differ by rounding only.
 fn mean(values: &[f64], shares: &[f64]) -> Option<(f64, f64)> {
     let there = || values.iter().zip(shares).filter(|(value, _)| !value.is_nan());
     let (low, high) = there().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (v, _)| {

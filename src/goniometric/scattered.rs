@@ -8,8 +8,8 @@ use crate::geometry::Vec3;
 
 /// Readings at pairs of directions, sorted into a tree of angles: incident polar angle and azimuth, outgoing polar
 /// angle and azimuth, or, of readings in the plane of incidence alone, incident polar angle and signed view angle.
-/// Linear in each angle in turn; nothing beyond what was read. At a pole, where readings of several azimuths are of one
-/// direction, the value is their mean.
+/// Interpolation is linear in each angle, one after the other, without extrapolation. At a pole, where readings of
+/// several azimuths have the same direction, the value is their mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scattered {
     directions: Directions,
@@ -24,6 +24,7 @@ pub struct Scattered {
     errors: Option<Vec<f64>>,
 }
 
+/// Directions of the readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Directions {
     /// Four angles a reading, in radians: θ_in, φ_in, θ_out, φ_out.
@@ -46,7 +47,7 @@ enum Node {
     Reading(usize),
 }
 
-/// A pair of readings of the same directions, by their places in the file.
+/// A pair of readings of the same directions, by their positions in the file.
 pub(crate) struct Twice(pub(crate) usize, pub(crate) usize);
 
 impl Scattered {
@@ -98,6 +99,7 @@ impl Scattered {
         self.directions
     }
 
+    /// Whether values do not change under rotation of the sample about its normal.
     pub fn is_isotropic(&self) -> bool {
         self.isotropic
     }
@@ -131,8 +133,8 @@ impl Scattered {
         rows
     }
 
-    /// Standard errors of a value, in its quantity, those of the readings around it being independent. `None` where
-    /// none were stated and outside what was read.
+    /// Standard errors of a value, in its quantity, assuming independent readings. `None` if none are stated, and
+    /// outside the measured range.
     pub(crate) fn standard_errors(&self, omega_in: &Vec3, omega_out: &Vec3) -> Option<Vec<f64>> {
         let errors = self.errors.as_ref()?;
         let around = self.around_pair(omega_in, omega_out)?;
@@ -155,8 +157,8 @@ impl Scattered {
         }
     }
 
-    /// Outgoing polar angles and azimuths in radians, some of them doubled, at which the interpolation for light from a
-    /// direction has its nodes. `None` outside what was read.
+    /// Outgoing polar angles and azimuths, radians, of the interpolation nodes for light from a direction, with
+    /// possible duplicates. `None` outside the measured range.
     pub(crate) fn outgoing_nodes(&self, theta_i: f64, phi_i: f64) -> Option<(Vec<f64>, Vec<f64>)> {
         let around = |branch: &'_ Branch, angle: f64| {
             let between = branch.axis.locate(angle)?;

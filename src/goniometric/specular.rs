@@ -25,10 +25,12 @@ impl SpecularTable {
         }
     }
 
+    /// Axis of the incident polar angle.
     pub fn incidence(&self) -> &Axis {
         &self.incidence
     }
 
+    /// Axis of the incident azimuth.
     pub fn azimuth(&self) -> &Axis {
         &self.azimuth
     }

@@ -3,9 +3,9 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use super::kinds::Placement;
 use crate::geometry::Vec3;
 
-/// A value constant on the cells of a tree that halves each axis of the unit cube again and again, down to where the
-/// values need it. Of rank 4 the axes are the incident direction's place in the unit square (of its opposite in
-/// azimuth) and the outgoing one's; of rank 3, of isotropic data, ½ − ½ sin θ_in and the outgoing one's.
+/// Values constant on the cells of a tree that recursively halves each axis of the unit cube, adapted to the data. In
+/// rank 4 the axes are the positions of the incident direction (of its opposite in azimuth) and of the outgoing
+/// direction in the unit square; in rank 3 (isotropic data) ½ − ½ sin θ_in and the position of the outgoing direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TensorTree {
     rank: usize,
@@ -37,6 +37,7 @@ impl TensorTree {
         self.trees.iter().map(count).max().unwrap_or(0)
     }
 
+    /// Whether values do not change under rotation of the sample about its normal (rank 3).
     pub fn is_isotropic(&self) -> bool {
         self.rank == 3
     }

@@ -180,14 +180,17 @@ impl Warped {
         })
     }
 
+    /// Whether values do not change under rotation of the sample about its normal.
     pub fn is_isotropic(&self) -> bool {
         self.arrays.isotropic
     }
 
+    /// Axis of the incident polar angle.
     pub fn incidence(&self) -> &Axis {
         &self.incidence
     }
 
+    /// Axis of the incident azimuth.
     pub fn azimuth(&self) -> &Axis {
         &self.azimuth
     }
@@ -347,8 +350,8 @@ impl Warped {
         Some((values, placement))
     }
 
-    /// Where the half vector's place in the unit square came from: marginal over rows, then conditional along columns,
-    /// of the interpolated density.
+    /// Inverse warp of the half vector's position in the unit square: marginal over rows, then conditional along
+    /// columns, of the interpolated density.
     fn inverse_warp(&self, slices: &[(usize, f64); 4], y: f64, x: f64) -> [f64; 2] {
         let [rows, columns] = self.arrays.vndf_shape;
         let ((row, ty), (column, tx)) = (place(y, rows), place(x, columns));

@@ -134,6 +134,7 @@ impl Medium {
         })
     }
 
+    /// Wavelength grid of all spectra.
     pub fn grid(&self) -> &WavelengthGrid {
         &self.grid
     }

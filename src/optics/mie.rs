@@ -122,6 +122,7 @@ impl Mie {
         Ok(Self::from_coefficients(x, coefficients))
     }
 
+    /// Efficiencies and asymmetry parameter of the sphere.
     pub fn efficiencies(&self) -> Efficiencies {
         self.efficiencies
     }

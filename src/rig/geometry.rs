@@ -61,6 +61,7 @@ impl BeamsOfRig {
         of_rig
     }
 
+    /// The beams, each with its views.
     pub fn lit(&self) -> &[LitViews] {
         &self.lit
     }

@@ -57,10 +57,12 @@ impl Rig {
         })
     }
 
+    /// Angles of incidence, degrees.
     pub fn incidences_deg(&self) -> &[f64] {
         &self.incidences_deg
     }
 
+    /// Signed view angles, degrees.
     pub fn views_deg(&self) -> &[f64] {
         &self.views_deg
     }

@@ -15,6 +15,10 @@ pub struct PixelSamples {
 }
 
 impl PixelSamples {
+    /// Number of strata along x and y, 1 to 65536 each.
+    ///
+    /// # Errors
+    /// [`RigError::Samples`] if a number is out of range.
     pub fn new(along_x: usize, along_y: usize) -> Result<Self, RigError> {
         if [along_x, along_y].iter().all(|n| (1..=65536).contains(n)) {
             Ok(Self { along_x, along_y })
@@ -23,6 +27,7 @@ impl PixelSamples {
         }
     }
 
+    /// Number of camera rays.
     pub fn count(&self) -> usize {
         self.along_x * self.along_y
     }

@@ -65,18 +65,22 @@ impl Specular {
         })
     }
 
+    /// Distribution of the facets' normals.
     pub fn distribution(&self) -> Distribution {
         self.distribution
     }
 
+    /// Roughness m of the distribution.
     pub fn roughness(&self) -> f64 {
         self.roughness
     }
 
+    /// Refractive index of the facets.
     pub fn index(&self) -> f64 {
         self.index
     }
 
+    /// Weight of the gloss, from 0 to 1.
     pub fn weight(&self) -> f64 {
         self.weight
     }

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
 
 /// The fractions of a ledger: an enum that defines the ledger, its columns in tables and its arrays in files. Declared
-/// with [`fractions!`].
+/// with the macro `fractions!`.
 pub trait FractionList: Copy + fmt::Debug + Eq + 'static {
     /// Every fraction, in the order of the arrays in files.
     const ALL: &'static [Self];
@@ -106,6 +106,7 @@ impl<F: FractionList, const N: usize> LedgerOf<F, N> {
         1.0 - self.amounts.iter().sum::<f64>()
     }
 
+    /// Adds the amounts of another ledger.
     pub fn add(&mut self, other: &Self) {
         for (sum, amount) in self.amounts.iter_mut().zip(other.amounts) {
             *sum += amount;
@@ -124,6 +125,7 @@ impl<F: FractionList, const N: usize> LedgerOf<F, N> {
 }
 
 impl Ledger {
+    /// The ledger with all amounts times `factor`.
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = Self::from_amounts(self.amounts.map(|amount| amount * factor));
         if fault::active(Fault::HalfAbsorbed) {

@@ -24,6 +24,10 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
+    /// Cylinder of a radius in mm.
+    ///
+    /// # Errors
+    /// [`TransportError::Domain`] if the radius is not finite and above 0.
     pub fn new(radius_mm: f64) -> Result<Self, TransportError> {
         if radius_mm > 0.0 && radius_mm.is_finite() {
             Ok(Self { radius_mm })
@@ -37,6 +41,7 @@ impl Cylinder {
         }
     }
 
+    /// Radius, mm.
     pub fn radius_mm(&self) -> f64 {
         self.radius_mm
     }

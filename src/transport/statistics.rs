@@ -55,6 +55,7 @@ pub struct BatchSums {
 }
 
 impl BatchSums {
+    /// Empty sums for a number of values.
     pub fn zeros(values: usize) -> Self {
         Self {
             batches: 0,

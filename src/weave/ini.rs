@@ -19,7 +19,7 @@ pub(super) struct Section<'a> {
 pub(super) struct Ini<'a> {
     pub(super) text: Text<'a>,
     sections: Vec<Section<'a>>,
-    /// What was passed over.
+    /// Warnings about ignored content.
     pub(super) warnings: Vec<String>,
 }
 

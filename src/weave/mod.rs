@@ -96,7 +96,7 @@ impl WeaveDraft {
         Err(UnknownName::new("weave", name_or_path, Weave::NAMES.iter().copied()).into())
     }
 
-    /// One repeat of a weave, of threads of which nothing is stated.
+    /// One repeat of a weave, with threads without stated properties.
     fn built_in(name: &str, draft: &Draft) -> Self {
         let [wefts, warps] = [System::Weft, System::Warp].map(|system| draft.yarns(system));
         let crossings = (0..wefts).flat_map(|i| (0..warps).map(move |j| (i, j)));

@@ -47,14 +47,17 @@ impl BssrdfGrid {
         })
     }
 
+    /// Grid of incident directions.
     pub fn incident(&self) -> &IncidentGrid {
         &self.incident
     }
 
+    /// Cells of the surface and of exit directions.
     pub fn surface(&self) -> &SurfaceGrid {
         &self.surface
     }
 
+    /// Upper edges of the cells with z > 0, mm.
     pub fn z_edges_mm(&self) -> &[f64] {
         &self.z_edges_mm
     }
@@ -168,6 +171,7 @@ impl<'a> PatchTracer<'a> {
         })
     }
 
+    /// Axes of the BSSRDF.
     pub fn grid(&self) -> &BssrdfGrid {
         &self.grid
     }

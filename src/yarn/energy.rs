@@ -59,6 +59,7 @@ impl<'a> EnergyTracer<'a> {
         })
     }
 
+    /// Traces one batch for every traced direction.
     pub fn batch(&self, batch: usize) -> EnergyBatch {
         let directions: Vec<EnergyBatch> = (0..self.tracer.source.incident.traced())
             .into_par_iter()

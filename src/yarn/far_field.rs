@@ -13,6 +13,10 @@ pub struct FarFieldGrid {
 }
 
 impl FarFieldGrid {
+    /// Numbers of tilt and azimuth cells.
+    ///
+    /// # Errors
+    /// [`YarnError::Count`] if a number is 0.
     pub fn new(tilts: usize, azimuths: usize) -> Result<Self, YarnError> {
         for (quantity, found) in [("tilts", tilts), ("azimuths", azimuths)] {
             if found == 0 {
@@ -26,10 +30,12 @@ impl FarFieldGrid {
         Ok(Self { tilts, azimuths })
     }
 
+    /// Number of tilt cells.
     pub fn tilts(&self) -> usize {
         self.tilts
     }
 
+    /// Number of azimuth cells on either side of the light.
     pub fn azimuths(&self) -> usize {
         self.azimuths
     }
@@ -85,6 +91,7 @@ impl<'a> FarFieldTracer<'a> {
         })
     }
 
+    /// Traces one batch at every tilt.
     pub fn batch(&self, batch: usize) -> FarFieldBatch {
         let tilts: Vec<FarFieldBatch> = (0..self.grid.tilts)
             .into_par_iter()

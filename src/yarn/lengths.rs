@@ -17,6 +17,10 @@ impl LengthBins {
     /// Number of bins that re-absorption needs at the default study.
     pub const DEFAULT: usize = EDGES_IN_RADII.len() + 1;
 
+    /// Bins for a yarn of a radius in mm.
+    ///
+    /// # Errors
+    /// [`YarnError::Count`] if `bins` is below 2.
     pub fn new(radius_mm: f64, bins: usize) -> Result<Self, YarnError> {
         if bins < 2 {
             return Err(YarnError::Count {
@@ -54,10 +58,12 @@ impl LengthBins {
         &self.edges_mm
     }
 
+    /// Number of bins, the open one included.
     pub fn bins(&self) -> usize {
         self.edges_mm.len() + 1
     }
 
+    /// Index of the bin of a path length in mm.
     #[inline]
     pub fn bin(&self, length_mm: f64) -> usize {
         self.edges_mm.iter().map(|&edge| usize::from(length_mm >= edge)).sum()
@@ -83,6 +89,7 @@ pub struct LengthSums {
 }
 
 impl LengthSums {
+    /// Empty sums for a number of values.
     pub fn zeros(values: usize) -> Self {
         Self {
             batches: 0,

@@ -196,12 +196,16 @@ impl Effort {
 /// Cells of the yarn's surface (azimuth) and of exit directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceGrid {
-    /// Number of azimuth cells around the whole yarn, a multiple of 2.
+    /// Number of azimuth cells around the whole yarn, a multiple of 4.
     azimuths: usize,
     exit: HemisphereGrid,
 }
 
 impl SurfaceGrid {
+    /// Numbers of azimuth cells around the yarn, and of polar and azimuth cells of exit directions.
+    ///
+    /// # Errors
+    /// [`YarnError::Count`] if a number of azimuth cells is not a multiple of 4, or if there is no polar cell.
     pub fn new(azimuths: usize, theta_cells: usize, phi_cells: usize) -> Result<Self, YarnError> {
         if azimuths < 4 || !azimuths.is_multiple_of(4) {
             return Err(YarnError::Count {
@@ -218,10 +222,12 @@ impl SurfaceGrid {
         Ok(Self { azimuths, exit })
     }
 
+    /// Number of azimuth cells around the whole yarn.
     pub fn azimuths(&self) -> usize {
         self.azimuths
     }
 
+    /// Grid of exit directions.
     pub fn exit(&self) -> &HemisphereGrid {
         &self.exit
     }

@@ -64,10 +64,12 @@ impl YarnResponse {
         }
     }
 
+    /// Axes of the tables.
     pub fn grid(&self) -> &YarnResponseGrid {
         &self.grid
     }
 
+    /// Number of wavelengths.
     pub fn wavelengths(&self) -> usize {
         self.factor.dim().3
     }

@@ -29,10 +29,12 @@ impl YarnResponseGrid {
         Ok(Self { tilts, surface })
     }
 
+    /// Number of tilt cells, from 0 to 90°.
     pub fn tilts(&self) -> usize {
         self.tilts
     }
 
+    /// Cells of the surface and of exit directions.
     pub fn surface(&self) -> &SurfaceGrid {
         &self.surface
     }
@@ -42,6 +44,7 @@ impl YarnResponseGrid {
         self.surface.azimuths / 2
     }
 
+    /// Number of cells of f*: tilt × azimuth × exit cell.
     pub fn cells(&self) -> usize {
         self.tilts * self.azimuths() * self.surface.exit.cells()
     }

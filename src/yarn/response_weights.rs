@@ -34,6 +34,7 @@ pub struct WeightTally {
 }
 
 impl WeightTally {
+    /// An empty tally on a grid.
     pub fn new(grid: YarnResponseGrid) -> Self {
         Self {
             interpolation: Interpolation::new(grid),

@@ -126,6 +126,8 @@ impl YarnSampler {
         })
     }
 
+    /// Incidence of light on the yarn. `omega_in` is the unit vector towards the light in the local frame (tangent,
+    /// axis, normal).
     pub fn meet(&self, omega_in: &Vec3) -> Meeting {
         let side = LightSide {
             x: omega_in.x,

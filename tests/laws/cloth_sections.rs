@@ -1,4 +1,4 @@
-//! Flattened and uneven yarns: closed forms, normals of what rays meet, what variation keeps, and refusals.
+//! Flattened and uneven yarns: closed forms, normals at hits, invariants of variation, and rejected input.
 
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};

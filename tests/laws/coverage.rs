@@ -1,10 +1,10 @@
 //! Coverage of standard errors, from the yarn's ledger to Table 1: the fraction of many small runs, which differ only
 //! in seed, whose interval of ± one standard error contains the value of a run 64 times as long.
 //!
-//! The intervals are those a user sees, value ± se of 16 batches, with nothing added for their small number: Student's
-//! t with 15 degrees of freedom puts 66.7 % within ± 1, and 68.3 % is what no number of batches exceeds. Quantities of
-//! one run know of each other, so a class of them counts as little more than one a run in the worst case: 200 runs of
-//! 66.7 % have a standard error of 3.3 %, and 60 to 76 % is left by chance with a new seed 3 % of the time, a class of
+//! The intervals are those a user sees, value ± se of 16 batches, without a correction for their small number:
+//! Student's t with 15 degrees of freedom has 66.7 % within ± 1; the limit for many batches is 68.3 %. Quantities of
+//! one run are correlated, so in the worst case a class of them counts as little more than one value per run: 66.7 % of
+//! 200 runs has a standard error of 3.3 %, and with a new seed falls outside 60 to 76 % in 3 % of cases, for a class of
 //! several quantities less often.
 
 use std::collections::BTreeMap;
@@ -175,8 +175,8 @@ fn coverage(estimator: EstimatorChoice) {
         for (class, small) in &small {
             let [hits, count, share] = covered.entry(long.get_key_value(class).unwrap().0).or_default();
             for (&(value, se), &(true_value, true_se)) in small.iter().zip(&long[class]) {
-                // A cell of which even the long run knows only this has so little light that a small run's batches,
-                // most of them without any, are nothing like normal.
+                // A cell with such an error in the long run has so little light that most batches of a small run have
+                // none and are far from normal.
                 if class.starts_with("f*") && true_se > 0.03 * true_value {
                     continue;
                 }

@@ -95,7 +95,7 @@ fn histograms(yarn: &Yarn, seed: u64, paths_per_batch: u64) -> Vec<Vec<f64>> {
     (0..BATCHES).map(fractions).collect()
 }
 
-/// Differences of the values that batches `a` know to a relative error below `known_to`.
+/// Differences of the values whose relative error in batches `a` is below `known_to`.
 fn differences(a: &[Vec<f64>], b: &[Vec<f64>], known_to: f64) -> Vec<Vec<f64>> {
     let known = |i: &usize| {
         let of = Estimate::from_batches(a.iter().map(|batch| batch[*i]));
@@ -112,12 +112,12 @@ fn limit(values: usize, batches: usize) -> f64 {
     t.inverse_cdf(1.0 - 0.5 * (1.0 - 0.999f64.powf(1.0 / values as f64)))
 }
 
-/// Both estimators at each medium, with so many times the least number of paths: joint tests of scattered and absorbed
-/// totals and of histograms, where the shared run knows them to 4 %; batch means of what few paths reach are nothing
-/// like normal.
+/// Compares both estimators for each medium, with `times` times the smallest number of paths: joint tests of scattered
+/// and absorbed totals and of histograms, restricted to values with a relative error below 4 % in the shared run,
+/// because batch means of bins that few paths reach are far from normal.
 ///
-/// Ballistic light is exact but for what is reflected inside, at short wavelengths so rare that the independent
-/// estimator sees a path of it or none: each value is held to its own error and the light of five paths.
+/// Ballistic light is exact except for the internally reflected part, which is so rare at short wavelengths that the
+/// independent estimator has one such path or none: the tolerance of each value is its own error plus five paths.
 fn agree(times: u64) {
     const KNOWN_TO: f64 = 0.04;
     for (name, medium) in media() {

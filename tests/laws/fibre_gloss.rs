@@ -87,7 +87,7 @@ fn lobe_is_normalised() {
     }
 }
 
-/// χ² of 128 bins of directions. False alarms: 12 cases, 1e-3 together.
+/// χ² of 128 bins of directions. False-alarm rate 1e-3 for 12 cases.
 #[test]
 fn sampled_directions_follow_the_density() {
     const DRAWS: usize = 1_000_000;
@@ -141,7 +141,7 @@ fn small_roughness_approaches_specular_reflection() {
             let numbers = [k / n, k % n].map(|i| (i as f64 + 0.5) / f64::from(n as u32));
             near += usize::from((smooth.draw(&light, numbers) - mirrored).norm() < 0.1);
         }
-        // Facets steeper than t are (α/t)² of all, 4e-4 at the slope that turns light by 0.1.
+        // The fraction of facets steeper than t is (α/t)²: 4e-4 at the slope that deflects light by 0.1.
         assert!(near as f64 > 0.9995 * (n * n) as f64, "{theta}: {near}");
     }
 }

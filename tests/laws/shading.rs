@@ -206,7 +206,8 @@ fn classical_model_without_gloss_is_lambert() {
     }
 }
 
-/// Every model of the registry: its start lies in its ranges, is what it is made with, and its values are parameters.
+/// For every model of the registry, the start values lie within the ranges, build the default model, and are accepted
+/// as parameters.
 #[test]
 fn registered_classical_models_start_from_a_sample() {
     let basis = Basis {

@@ -54,8 +54,8 @@ fn turned(v: &Vec3, phi: f64) -> Vec3 {
 /// × wavelength].
 type Sums = Vec<f64>;
 
-/// One batch of light from azimuth 0 that comes in between two azimuths on a cell of tilts: what leaves of all of it,
-/// and the part that is neither reflected nor ballistic.
+/// One batch of light from azimuth 0 that enters between two azimuths in a cell of tilts: sums of the light that
+/// leaves, and the fraction that is neither reflected nor ballistic.
 fn traced(yarn: &Yarn, tilt: usize, [from, to]: [f64; 2], axis: f64, batch: usize) -> (Sums, Vec<f64>) {
     let coefficients: Vec<Coefficients> = (0..2)
         .map(|w| Coefficients {
@@ -107,8 +107,8 @@ fn add(sums: &mut [f64], normal: &Vec3, direction: &Vec3, weights: impl Iterator
     }
 }
 
-/// The same of what is kept, drawn from the tables, of light at places of the section and tilts that `place` draws;
-/// `kept` says how much of it.
+/// The same sums by sampling from the tables, for light at positions on the section and tilts drawn by `place`; `kept`
+/// is the fraction neither reflected nor ballistic.
 fn drawn(
     scatter: &YarnSampler,
     batch: usize,
@@ -148,9 +148,9 @@ fn scatter(yarn: &Yarn, batch: usize) -> YarnSampler {
     batch.response.sampler(yarn).unwrap()
 }
 
-/// From the first, middle and last entry cell, on either side of the light and with light from either end of the yarn,
-/// as much leaves at each azimuth as of paths traced from there. False alarms: 3 × 3 × 4 × 12 × 2 values, 1.4e-2
-/// together.
+/// For the first, middle and last entry cell, on either side of the light and with light from either end of the yarn,
+/// sampled light leaves at each azimuth as much as light of paths traced from that cell. False-alarm rate 1.4e-2 for 3
+/// × 3 × 4 × 12 × 2 values.
 #[test]
 fn sampled_exit_azimuths_agree_with_traced_paths() {
     let yarn = yarn();

@@ -3,6 +3,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Bins of exit directions. They may overlap and need not cover the sphere.
 pub trait Detector: Sync {
+    /// Number of bins.
     fn bins(&self) -> usize;
 
     /// Calls `found` for every bin that scores light leaving along the unit vector `direction`, with the fraction it
@@ -26,6 +27,7 @@ impl ViewCones {
         }
     }
 
+    /// Unit vectors towards the viewers.
     pub fn views(&self) -> &[Vec3] {
         &self.views
     }
@@ -69,14 +71,17 @@ impl HemisphereNodes {
         (rings >= 2 && azimuths >= 4 && azimuths.is_multiple_of(4)).then_some(Self { rings, azimuths })
     }
 
+    /// Number of rings from the normal to the horizon.
     pub fn rings(&self) -> usize {
         self.rings
     }
 
+    /// Number of nodes of each ring.
     pub fn azimuths(&self) -> usize {
         self.azimuths
     }
 
+    /// Number of all nodes.
     pub fn count(&self) -> usize {
         1 + self.rings * self.azimuths
     }

@@ -27,6 +27,7 @@ fractions! {
 pub type ClothLedger = LedgerOf<ClothFraction, { ClothFraction::COUNT }>;
 
 impl ClothLedger {
+    /// Total transmittance: through yarns and gaps.
     pub fn transmitted(&self) -> f64 {
         self[ClothFraction::ThroughYarns] + self[ClothFraction::ThroughGaps]
     }

@@ -17,6 +17,7 @@ pub struct Scene<'a> {
 }
 
 impl Scene<'_> {
+    /// Number of wavelengths.
     pub fn wavelengths(&self) -> usize {
         self.yarns[0].medium.grid().len()
     }

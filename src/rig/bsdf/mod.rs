@@ -209,14 +209,17 @@ fn image_of_bin(cells: &Cells, bin: usize, symmetry: &Symmetry) -> usize {
 }
 
 impl FullBsdf {
+    /// Cells of incident and outgoing directions.
     pub fn cells(&self) -> &Cells {
         &self.cells
     }
 
+    /// Sides from which light was measured.
     pub fn sides(&self) -> &[Side] {
         &self.sides
     }
 
+    /// Wavelength grid of the values.
     pub fn grid(&self) -> &WavelengthGrid {
         &self.grid
     }

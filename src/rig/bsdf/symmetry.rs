@@ -11,6 +11,7 @@ pub struct Symmetry {
 }
 
 impl Symmetry {
+    /// The identity.
     pub const IDENTITY: Self = Self {
         swap: false,
         flip: [false; 3],
@@ -24,6 +25,7 @@ impl Symmetry {
         })
     }
 
+    /// Image of a vector.
     pub fn apply(&self, d: &Vec3) -> Vec3 {
         let (x, y) = if self.swap { (d.y, d.x) } else { (d.x, d.y) };
         let signed = |flip: bool, value: f64| if flip { -value } else { value };
