@@ -146,7 +146,7 @@ impl Judge {
         self.precision.max(NEGLIGIBLE * tolerance)
     }
 
-    /// The means of all cells are 0. `batches` are independent, [batch][cell].
+    /// The means of all cells are 0. `batches` are independent, `[batch][cell]`.
     pub fn zero(&self, law: Law, batches: &[Vec<f64>], tolerance: f64, place: impl Fn(usize) -> Where) -> Gate {
         self.means(law, batches, tolerance, |t| t.abs(), 2.0, place)
     }

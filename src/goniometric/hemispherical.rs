@@ -337,8 +337,8 @@ impl Component {
         })
     }
 
-    /// Integral over the hemisphere of outgoing directions (upright), with light from above. It has no points for tables
-    /// that are constant on cells, or if nothing was measured.
+    /// Integral over the hemisphere of outgoing directions (upright), with light from above. It has no points for
+    /// tables that are constant on cells, or if nothing was measured.
     pub(crate) fn hemisphere(&self, theta_i: f64, phi_i: f64) -> Hemisphere {
         let mut points = Vec::new();
         let total = match self.integral(theta_i, phi_i) {

@@ -9,7 +9,7 @@ use crate::transport::Estimate;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectralCurves {
     pub geometries: Vec<Geometry>,
-    /// Diffuse part, [batch][geometry][wavelength]. Each batch has its own f* and its own camera rays, so the spread of
+    /// Diffuse part, `[batch][geometry][wavelength]`. Each batch has its own f* and its own camera rays, so the spread of
     /// the batches holds both errors.
     pub diffuse: Vec<Vec<Vec<f64>>>,
     /// Gloss at each geometry, the same at every wavelength.
@@ -17,7 +17,7 @@ pub struct SpectralCurves {
 }
 
 impl SpectralCurves {
-    /// `diffuse` is [batch][geometry][wavelength].
+    /// `diffuse` is `[batch][geometry][wavelength]`.
     pub fn new(plan: &Plan, geometries: Vec<Geometry>, diffuse: Vec<Vec<Vec<f64>>>) -> Self {
         let gloss = geometries.iter().map(|g| gloss(plan, *g)).collect();
         Self {
@@ -27,7 +27,7 @@ impl SpectralCurves {
         }
     }
 
-    /// Each batch's β in r, g, b and y: [batch][geometry].
+    /// Each batch's β in r, g, b and y: `[batch][geometry]`.
     pub fn channels(&self, colour: &ColourSystem, with_gloss: bool) -> Vec<Vec<Channels>> {
         self.diffuse
             .iter()

@@ -8,9 +8,9 @@ use crate::transport::Ledger;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulation {
     pub curves: SpectralCurves,
-    /// [batch][traced incident direction × wavelength].
+    /// `[batch][traced incident direction × wavelength]`.
     pub ledgers: Vec<Vec<Ledger>>,
-    /// [batch][incidence × wavelength]; empty batches where light is not followed from yarn to yarn.
+    /// `[batch][incidence × wavelength]`; empty batches where light is not followed from yarn to yarn.
     pub cloth: Vec<Vec<ClothLedger>>,
     /// How much was traced and why no more.
     pub effort: EffortNote,

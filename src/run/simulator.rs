@@ -13,7 +13,7 @@ use crate::yarn::{DirectTracer, EnergyTracer, PatchTracer, Yarn, YarnResponse};
 pub struct Batch {
     /// Energy ledgers: traced incident direction × wavelength, wavelength fastest.
     pub ledgers: Vec<Ledger>,
-    /// Diffuse β at [geometry][wavelength].
+    /// Diffuse β at `[geometry][wavelength]`.
     pub diffuse: Vec<Vec<f64>>,
     /// Where light went in the cloth, where it was followed from yarn to yarn: [incidence × wavelength].
     pub cloth: Vec<ClothLedger>,

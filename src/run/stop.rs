@@ -65,7 +65,7 @@ impl StopRule {
         }
     }
 
-    /// Whether the run ends with this many batches; `error` is [`Self::largest_error`] of what is watched, and is asked
+    /// Whether the run ends with this many batches; `error` is the largest error of what is watched, and is asked
     /// for only where it decides. Depends on nothing but the batches, unlike [`Self::is_out_of_time`].
     pub fn reached(&self, batches: usize, error: impl FnOnce() -> Option<f64>) -> Option<StoppedBy> {
         let by_precision = self
