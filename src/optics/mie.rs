@@ -10,11 +10,9 @@
 //!
 //! Three rearrangements keep the digits those formulas lose in double precision:
 //! * D_n(z) = (n+1)/z − z r_n(z) with r_n = 1/(2n+3 − z² r_{n+1}), iterated downwards. The large (n+1)/z of the inside
-//! and
-//!   the outside then cancel on paper, so spheres down to x = 1e-6 need no separate expansion.
+//!   and the outside then cancel on paper, so spheres down to x = 1e-6 need no separate expansion.
 //! * Re a_n − |a_n|² = −Im A_n / |A_n ξ_n − ξ_n'|², by the Wronskian of ψ and χ. Absorption is a sum of terms of one
-//! sign,
-//!   never a difference of extinction and scattering; it is exactly 0 for a real m.
+//!   sign, never a difference of extinction and scattering; it is exactly 0 for a real m.
 //! * Beyond n = x, ψ_n follows from r_n, χ_n and the Wronskian, not from its unstable upward recurrence.
 //!
 //! What remains is the conditioning of the problem: near m = 1 a rounding of m changes everything by 1/|m−1|.
