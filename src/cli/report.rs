@@ -144,9 +144,16 @@ fn again(result: &Path, arguments: &Arguments, options: &Options, terminal: &Ter
         }
     }
     let data = read_result(result).map_err(|error| {
-        study::or_other_kind(error, &result_path(result), "the result of a report", |kind| {
-            kind == FileKind::Result
-        })
+        // A result that is damaged may look like any document.
+        study::or_other_kind(
+            error,
+            &result_path(result),
+            "the result of a report",
+            |kind| match kind {
+                FileKind::Foreign(of) => of.is_json(),
+                kind => kind == FileKind::Result,
+            },
+        )
     })?;
     let names = file_names(&Outline {
         incidences: incidences(data.curves.iter().map(|point| point.theta_i_deg)),

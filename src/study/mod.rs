@@ -29,8 +29,9 @@ pub use keys::{
     CheckSection, ClothSection, ColourSection, MeasuredSection, MediumSection, RigSection, SpectrumSection,
     SpecularSection, Study, SweepSection, TraceSection, WeftSection, YarnSection,
 };
-pub use old_keys::{OldKey, OldKeyNow, study_of_any_age};
+pub use old_keys::{OldKey, OldKeyNow};
 pub use origin::Origin;
+pub use parse::study_of_any_age;
 
 impl Study {
     /// Reads and validates a study; what the text leaves out keeps its default. `file_name` is what errors call the

@@ -1,11 +1,9 @@
 //! Keys of older studies: they are still read, and a notice says what to write in their place. Each is a row of
 //! [`FORMER_KEYS`].
 
-use super::Study;
 use super::fields::{Field, ValueKind, closed};
 use crate::text::is_path;
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 
 /// A key that studies no longer have.
@@ -162,45 +160,5 @@ impl Display for OldKey {
             }
             OldKeyNow::Dropped { why } => write!(f, "has no effect any more: {why}; remove it"),
         }
-    }
-}
-
-/// The study in a file that an earlier version may have written, with the keys of today.
-///
-/// # Errors
-/// What is no study.
-pub fn study_of_any_age<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Study, D::Error> {
-    let mut study = serde_json::Value::deserialize(deserializer)?;
-    for FormerKey { section, field, now } in FORMER_KEYS {
-        let fields = study.get_mut(section).and_then(|of| of.as_object_mut());
-        let Some(old) = fields.and_then(|fields| fields.remove(field.key)) else {
-            continue;
-        };
-        if let Now::Renamed { section, key, text } = now {
-            let value = old.as_str().map(|old| text(old).into()).unwrap_or(old);
-            if let Some(fields) = study.get_mut(section).and_then(|of| of.as_object_mut()) {
-                fields.insert((*key).into(), value);
-            }
-        }
-    }
-    Study::deserialize(study).map_err(D::Error::custom)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_study_in_an_older_file_is_read_with_the_keys_of_today() {
-        let mut written = serde_json::to_value(Study::default()).unwrap();
-        written["cloth"]["segments_around"] = 48.into();
-        written["cloth"]["segments_along"] = 24.into();
-        assert_eq!(study_of_any_age(written.clone()).unwrap(), Study::default());
-        let check = written["check"].as_object_mut().unwrap();
-        let tolerance = check.remove("two_estimators").unwrap();
-        check.insert("two_roads".into(), tolerance);
-        assert_eq!(study_of_any_age(written.clone()).unwrap(), Study::default());
-        written["cloth"]["no_such_key"] = 1.into();
-        assert!(study_of_any_age(written).is_err());
     }
 }

@@ -1,12 +1,14 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 use toml::de::{DeTable, DeValue};
 
 use super::choices::GeometryChoice;
 use super::fields::{self, Field, ValueKind};
 use super::keys::{self, RigSection, SECTIONS, Study};
-use super::old_keys::{FORMER_KEYS, FormerKey};
+use super::old_keys::{FORMER_KEYS, FormerKey, Now};
 use super::{FileLine, Origin, StudyError};
 use crate::text::is_path;
 
@@ -257,4 +259,44 @@ fn origin(source: &StudyText, document: &DeTable) -> Origin {
         }
     }
     Origin::new(source.file, lines)
+}
+
+/// The study in a file that an earlier version may have written, with the keys of today.
+///
+/// # Errors
+/// What is no study.
+pub fn study_of_any_age<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Study, D::Error> {
+    let mut study = serde_json::Value::deserialize(deserializer)?;
+    for FormerKey { section, field, now } in FORMER_KEYS {
+        let fields = study.get_mut(section).and_then(|of| of.as_object_mut());
+        let Some(old) = fields.and_then(|fields| fields.remove(field.key)) else {
+            continue;
+        };
+        if let Now::Renamed { section, key, text } = now {
+            let value = old.as_str().map(|old| text(old).into()).unwrap_or(old);
+            if let Some(fields) = study.get_mut(section).and_then(|of| of.as_object_mut()) {
+                fields.insert((*key).into(), value);
+            }
+        }
+    }
+    Study::deserialize(study).map_err(D::Error::custom)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_study_in_an_older_file_is_read_with_the_keys_of_today() {
+        let mut written = serde_json::to_value(Study::default()).unwrap();
+        written["cloth"]["segments_around"] = 48.into();
+        written["cloth"]["segments_along"] = 24.into();
+        assert_eq!(study_of_any_age(written.clone()).unwrap(), Study::default());
+        let check = written["check"].as_object_mut().unwrap();
+        let tolerance = check.remove("two_estimators").unwrap();
+        check.insert("two_roads".into(), tolerance);
+        assert_eq!(study_of_any_age(written.clone()).unwrap(), Study::default());
+        written["cloth"]["no_such_key"] = 1.into();
+        assert!(study_of_any_age(written).is_err());
+    }
 }

@@ -388,9 +388,11 @@ mod tests {
                 "{text:?}: {error}"
             );
         }
-        for bytes in [&b"a,b\n1,\0\n"[..], b"\x89PNG\r\n\x1a\n", &[0xff; 64]] {
+        for bytes in [&b"a,b\n1,\0\n"[..], &[0xff; 64]] {
             let error = CsvTable::parse("t", bytes).unwrap_err();
             assert!(error.expected.contains("text in UTF-8"), "{error}");
         }
+        let error = CsvTable::parse("t", b"\x89PNG\r\n\x1a\n").unwrap_err();
+        assert!(error.to_string().contains("found an image"), "{error}");
     }
 }

@@ -8,6 +8,14 @@ pub struct Foreign {
     pub remedy: &'static str,
 }
 
+impl Foreign {
+    pub fn is_json(self) -> bool {
+        self.what == JSON
+    }
+}
+
+const JSON: &str = "a JSON document";
+
 /// Bytes of a file's beginning that are looked at.
 const HEAD: usize = 4096;
 
@@ -55,7 +63,7 @@ pub(crate) fn foreign(bytes: &[u8]) -> Option<Foreign> {
         return of("a web page (HTML)", DOWNLOAD);
     }
     if is_json(text) {
-        return of("a JSON document", "export its values as CSV");
+        return of(JSON, "export its values as CSV");
     }
     let lower = text.get(..text.len().min(200)).unwrap_or(text).to_ascii_lowercase();
     let is_answer = text.len() < 200 && (lower.starts_with("404") || lower.starts_with("403"));

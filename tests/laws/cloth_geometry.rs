@@ -239,7 +239,7 @@ fn invalid_cloth_is_rejected_with_a_remedy() {
     assert!(
         crowded
             .to_string()
-            .contains("each warp and the next warp overlap by 0.001000 mm"),
+            .contains("each warp and the next warp overlap by 0.001 mm"),
         "{crowded}"
     );
     let crowded = refusal(ClothSpec {

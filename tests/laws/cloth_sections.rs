@@ -256,7 +256,7 @@ fn overlapping_uneven_and_flat_yarns_are_rejected() {
     });
     assert!(
         wide.to_string()
-            .contains("each warp and the next warp overlap by 0.010000 mm; increase warp_spacing_mm"),
+            .contains("each warp and the next warp overlap by 0.01 mm; increase warp_spacing_mm"),
         "{wide}"
     );
     let crowded = refusal(ClothSpec {
