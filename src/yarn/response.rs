@@ -47,10 +47,12 @@ impl YarnResponse {
 
     /// Response of a yarn that scatters nothing.
     pub fn zeros(grid: YarnResponseGrid, wavelengths: usize) -> Self {
+        // Zeros that are written. Of memory that the system gives as zero pages, the first addition reads one before it
+        // writes, a second page fault that halts the other threads.
         Self {
             grid,
-            factor: Array4::zeros(factor_shape(&grid, wavelengths)),
-            transfer: Array5::zeros(transfer_shape(&grid, wavelengths)),
+            factor: Array4::from_shape_simple_fn(factor_shape(&grid, wavelengths), || 0.0),
+            transfer: Array5::from_shape_simple_fn(transfer_shape(&grid, wavelengths), || 0.0),
         }
     }
 
