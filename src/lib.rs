@@ -6,6 +6,7 @@
 //! - `fault`: deliberate faults of the physics, for tests alone
 //! - `number`: numbers as people write them
 //! - `geometry`: vectors, frames, cells on the sphere, interpolation
+//! - `input`: files in, up to a size
 //! - `text`: bounded reading and the grammars of tables
 //! - `output`: places that files are written to, whole or not at all
 //! - `artefact`: files of large arrays with their identity
@@ -37,6 +38,7 @@ pub mod fault;
 pub mod formats;
 pub mod geometry;
 pub mod goniometric;
+pub mod input;
 pub mod number;
 pub mod optics;
 pub mod output;

@@ -2,6 +2,7 @@
 
 use super::gate::{Gate, GateVerdict, Law, Where};
 use super::{BaselineError, CheckEffort, Checked, Drift, Moved, Quantity};
+use crate::input::{MOST_TEXT, read_file};
 use serde::Deserialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::path::{Path, PathBuf};
@@ -40,7 +41,7 @@ pub struct Baseline {
 
 impl Baseline {
     pub fn read(path: &Path) -> Result<Self, BaselineError> {
-        let bytes = std::fs::read(path).map_err(|cause| BaselineError::Read {
+        let bytes = read_file(path, MOST_TEXT).map_err(|cause| BaselineError::Read {
             path: path.to_owned(),
             cause,
         })?;

@@ -1,11 +1,11 @@
 //! From what was typed to a study.
 
 use super::{Failure, Options};
+use specval::input::{read_all, read_file};
 use specval::run::{FileKind, OtherKind, Plan, RunError};
 use specval::sample::Chosen;
 use specval::study::{Study, StudyError};
 use specval::weave::WeaveError;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Why there is no study to run.
@@ -67,14 +67,8 @@ pub fn load(path: Option<&Path>, options: &Options) -> Result<Study, LoadError> 
     Ok(study)
 }
 
-/// Bytes of the longest study that is read from stdin.
+/// Bytes of the longest study.
 const MOST_BYTES: u64 = 16 << 20;
-
-fn from_stdin() -> std::io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    std::io::stdin().lock().take(MOST_BYTES).read_to_end(&mut bytes)?;
-    Ok(bytes)
-}
 
 /// The study of a file, or of stdin where the path is `-`.
 pub fn read(path: &Path) -> Result<Study, LoadError> {
@@ -83,8 +77,8 @@ pub fn read(path: &Path) -> Result<Study, LoadError> {
         found,
     };
     let bytes = match path == Path::new("-") {
-        true => from_stdin(),
-        false => std::fs::read(path),
+        true => read_all(std::io::stdin().lock(), MOST_BYTES),
+        false => read_file(path, MOST_BYTES),
     };
     let bytes = bytes.map_err(|cause| refuse(cause.to_string()))?;
     let text = String::from_utf8(bytes).map_err(|error| {

@@ -1,9 +1,8 @@
 //! The result as a file, from which `report --from` draws the report again.
 
 use super::{ReportData, ReportError};
+use crate::input::read_file;
 use serde::{Deserialize, Serialize};
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Name of the file in a report's folder.
@@ -64,13 +63,7 @@ pub fn read_result(path: &Path) -> Result<ReportData, ReportError> {
         found,
         remedy,
     };
-    let mut bytes = Vec::new();
-    File::open(&path)
-        .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
-        .map_err(|error| refused(error.to_string(), REMEDY))?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(refused("more than 128 MiB".into(), REMEDY));
-    }
+    let bytes = read_file(&path, MOST_BYTES).map_err(|error| refused(error.to_string(), REMEDY))?;
     let head: Head = serde_json::from_slice(&bytes).map_err(|error| refused(error.to_string(), REMEDY))?;
     if head.format.as_deref() != Some(FORMAT) {
         return Err(refused("another document".into(), REMEDY));

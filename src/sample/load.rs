@@ -11,6 +11,7 @@ use super::measured::{Data, Sample};
 use super::ratios::{PublishedRatios, ratios};
 use crate::formats::{self, Format, ReadOptions};
 use crate::goniometric::Goniometric;
+use crate::input::{MOST_TEXT, read_file};
 use crate::spectrum::{CsvTable, UnknownName};
 use crate::text::encoding::beginning;
 use crate::text::{Heading, heading};
@@ -203,7 +204,7 @@ fn describe(path: &str, text: &str) -> Result<Description, SampleError> {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, SampleError> {
-    std::fs::read(path).map_err(|e| SampleError::Read {
+    read_file(path, MOST_TEXT).map_err(|e| SampleError::Read {
         path: path.display().to_string(),
         reason: e.to_string(),
     })

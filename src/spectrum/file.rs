@@ -1,5 +1,3 @@
-use std::fs::File;
-use std::io::Read;
 use std::ops::RangeBounds;
 use std::path::Path;
 
@@ -8,6 +6,7 @@ use super::function::Spectrum;
 use super::layout::{Named, Values, ascending, bands, by_set, by_wavelength};
 use super::observer::ObserverTables;
 use super::samples::Samples;
+use crate::input::read_file;
 use crate::text::{Cgats, CsvTable, band_nm, is_cgats, lines_of};
 
 /// Largest file of spectra.
@@ -244,16 +243,5 @@ pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, SpectrumError> {
     if !there.is_file() {
         return Err(failed("expected a file, found a folder, device or pipe".into()));
     }
-    if there.len() > MOST_BYTES {
-        let found = there.len();
-        return Err(failed(format!(
-            "expected a table of at most {MOST_BYTES} bytes, found {found}"
-        )));
-    }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|e| failed(e.to_string()))?;
-    file.take(MOST_BYTES)
-        .read_to_end(&mut bytes)
-        .map_err(|e| failed(e.to_string()))?;
-    Ok(bytes)
+    read_file(path, MOST_BYTES).map_err(|e| failed(e.to_string()))
 }
