@@ -32,7 +32,7 @@ const TILT_SINE: f64 = 0.6;
 const STREAM: usize = 1 << 23;
 
 /// The yarn in a host of index 1, which neither reflects nor refracts: light that enters at a height leaves straight
-/// on, or where it first meets the surface after scattering. Roulette is played for weights below rounding alone.
+/// on, or where it first meets the surface after scattering. Russian roulette applies to weights below rounding alone.
 pub fn gates(context: &Context) -> Result<[Gate; 2], CheckError> {
     let Context { plan, judge, .. } = context;
     let medium = &plan.yarn.medium;

@@ -1,4 +1,4 @@
-//! Whole numbers as people type them.
+//! Whole numbers in the spellings that the command line accepts.
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::ops::RangeInclusive;

@@ -97,7 +97,7 @@ pub fn read(path: &Path) -> Result<Study, LoadError> {
     Ok(study.at_folder(path.parent().unwrap_or(Path::new(""))))
 }
 
-/// The plan of a study. A sample or draft of another kind is told by what it is.
+/// The plan of a study. The error of a sample or draft of another kind names that kind.
 pub fn plan(study: Study) -> Result<Plan, Failure> {
     plan_with(study, Chosen::default())
 }

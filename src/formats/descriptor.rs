@@ -1,4 +1,4 @@
-//! What the registry knows of a format. Each format's file provides its own descriptor.
+//! What the registry holds of a format. Each format's file provides its own descriptor.
 
 use std::ops::RangeInclusive;
 

@@ -1,7 +1,7 @@
 //! Goniometric files: what the field's instruments, archives and renderers read and write.
 //!
 //! Every reader gives one [`Goniometric`], whose values stay in the file's own quantity, parameters and nodes; every
-//! writer takes one. Formats are told by content; `registry` lists them. Conventions of each format: `docs/formats.md`.
+//! writer takes one. Formats are recognised by content; `registry` lists them. Conventions of each format: `docs/formats.md`.
 
 mod byte_order;
 mod descriptor;

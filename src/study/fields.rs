@@ -35,7 +35,7 @@ pub(super) enum ValueKind {
     IntegerOr(u64, u64, &'static str),
     Flag,
     Choice(&'static [&'static str]),
-    /// One of these names, or a path, told by [`crate::text::is_path`].
+    /// One of these names, or a path, distinguished by [`crate::text::is_path`].
     ChoiceOrPath(&'static [&'static str]),
     /// Any text but the empty one.
     Text,

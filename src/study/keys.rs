@@ -128,7 +128,7 @@ pub struct TraceSection {
     particles: u64 = 48_000, PATHS, "";
     /// Particles of each beam of the volumetric method.
     particles_volumetric: u64 = 2_000_000, PATHS, "";
-    /// Share of its first weight below which a path plays Russian roulette.
+    /// Share of its first weight below which Russian roulette may end a path.
     roulette_threshold: f64 = 0.1, Number(between(0.0, 1.0)), "";
     /// Probability of surviving the roulette.
     roulette_survival: f64 = 0.2, Number(between(0.0, 1.0)), "";

@@ -1,6 +1,6 @@
 use super::encoding::beginning;
 
-/// A kind of file that is often given in place of a table, told by its first bytes.
+/// A kind of file that is often given in place of a table, recognised by its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Foreign {
     /// With its article: "a web page (HTML)".

@@ -261,7 +261,7 @@ impl Readings {
         points.flat_map(of).copied().collect()
     }
 
-    /// What the user has to know of the values as a whole.
+    /// Notices on the values as a whole.
     fn notices(&self, table: &CsvTable) -> Result<Vec<String>, Box<CsvError>> {
         let mut notices = table.notices().to_vec();
         if !table.renamed().is_empty() {

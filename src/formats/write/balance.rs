@@ -7,7 +7,7 @@ use crate::number::{count, shown};
 
 /// Factors beyond these would bend values more than they mend them: the table cannot hold what the source does.
 const FACTORS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
-/// Changes that are told of.
+/// Changes that a notice reports.
 const TOLD: f64 = 5e-4;
 
 /// A value before and after, at an incidence.

@@ -125,7 +125,7 @@ impl<'a> Sampler<'a> {
         self.component.add_bsdf_turned(&omega_in, &omega_out, turns_rad, sums);
     }
 
-    /// What has to be told of the values that were not measured.
+    /// The notice on values that were not measured.
     pub(super) fn notice(&self, notices: &mut Vec<String>) {
         notices.push("values are interpolated in the source's own parameters".into());
         let (filled, asked) = (self.filled.load(Relaxed), self.asked.load(Relaxed));
