@@ -1,7 +1,7 @@
 //! The same distribution as an earlier result?
 
 use super::gate::{Gate, GateVerdict, Law, Where};
-use super::{BaselineError, CheckEffort, Checked, Drift, Moved, Quantity};
+use super::{BaselineError, CheckEffort, Checked, CheckedQuantity, Drift, Moved};
 use crate::input::{MOST_TEXT, read_file};
 use serde::Deserialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-12;
 
 #[derive(Debug, Deserialize)]
 struct Document {
-    quantities: Vec<Quantity>,
+    quantities: Vec<CheckedQuantity>,
     subject: DocumentSubject,
 }
 
@@ -66,7 +66,7 @@ impl Baseline {
         let mut same_bits = quantities.len() == checked.quantities.len();
         let mut worst = (1.0, 0);
         for (i, here) in checked.quantities.iter().enumerate() {
-            let same = |there: &&Quantity| there.name == here.name && there.wavelength_nm == here.wavelength_nm;
+            let same = |there: &&CheckedQuantity| there.name == here.name && there.wavelength_nm == here.wavelength_nm;
             let there = quantities
                 .iter()
                 .find(same)
@@ -137,7 +137,7 @@ impl Baseline {
 }
 
 /// Student's t with the degrees of freedom of Welch (1947) and Satterthwaite (1946).
-fn two_sided(t: f64, here: &Quantity, there: &Quantity) -> f64 {
+fn two_sided(t: f64, here: &CheckedQuantity, there: &CheckedQuantity) -> f64 {
     let variances = [here.se.powi(2), there.se.powi(2)];
     let freedom = [here.batches, there.batches].map(|batches| batches.saturating_sub(1).max(1) as f64);
     let sum = variances[0] + variances[1];

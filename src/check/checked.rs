@@ -48,7 +48,7 @@ impl CheckEffort {
 
 /// A result of the study, for comparison with later ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Quantity {
+pub struct CheckedQuantity {
     pub name: String,
     pub wavelength_nm: f64,
     pub value: f64,
@@ -77,12 +77,12 @@ pub struct Checked {
     pub gates: Vec<Gate>,
     /// Drift from the baseline, where there was one.
     pub drift: Option<Drift>,
-    pub quantities: Vec<Quantity>,
+    pub quantities: Vec<CheckedQuantity>,
     pub subject: Subject,
 }
 
 impl Checked {
-    pub(super) fn new(gates: Vec<Gate>, quantities: Vec<Quantity>, subject: Subject) -> Self {
+    pub(super) fn new(gates: Vec<Gate>, quantities: Vec<CheckedQuantity>, subject: Subject) -> Self {
         Self {
             verdict: GateVerdict::of_all(gates.iter().map(|gate| gate.verdict)),
             gates,

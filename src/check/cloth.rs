@@ -1,7 +1,7 @@
 //! Energy of the cloth: what it reflects, transmits and absorbs of a parallel beam, integrated over all directions.
 
 use super::gate::{Gate, Law, Where};
-use super::{CheckError, Context, Quantity};
+use super::{CheckError, CheckedQuantity, Context};
 use crate::rig::{omega_in, view_cell};
 use crate::run::{Plan, hemisphere};
 use crate::transport::{Fraction, Purpose, Stream};
@@ -74,7 +74,7 @@ impl<'a> ClothEnergy<'a> {
         Ok(())
     }
 
-    pub fn gates(&self) -> (Vec<Gate>, Vec<Quantity>) {
+    pub fn gates(&self) -> (Vec<Gate>, Vec<CheckedQuantity>) {
         let Self { context, .. } = self;
         let (plan, judge) = (context.plan, &context.judge);
         let (wavelengths, nm) = (plan.grid.len(), plan.grid.nm());

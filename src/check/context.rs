@@ -1,5 +1,5 @@
 use super::gate::{Judge, estimates};
-use super::{CheckEffort, Quantity};
+use super::{CheckEffort, CheckedQuantity};
 use crate::run::Plan;
 use crate::yarn::Estimator;
 
@@ -51,11 +51,11 @@ impl<'a> Context<'a> {
     }
 
     /// One quantity at every wavelength, from [batch][wavelength].
-    pub(super) fn quantities(&self, name: &str, batches: &[Vec<f64>]) -> Vec<Quantity> {
+    pub(super) fn quantities(&self, name: &str, batches: &[Vec<f64>]) -> Vec<CheckedQuantity> {
         let nm = self.plan.grid.nm();
         let estimates = estimates(batches).into_iter().zip(nm);
         estimates
-            .map(|([value, se], &wavelength_nm)| Quantity {
+            .map(|([value, se], &wavelength_nm)| CheckedQuantity {
                 name: name.into(),
                 wavelength_nm,
                 value,

@@ -1,7 +1,7 @@
 //! Energy ledger of every wavelength and incident direction, and the white furnace.
 
 use super::gate::{Gate, Law, Where, estimates};
-use super::{CheckError, Context, Quantity};
+use super::{CheckError, CheckedQuantity, Context};
 use crate::study::NumberOrTable;
 use crate::transport::{Fraction, FractionList, Ledger, Roulette};
 use crate::yarn::{Effort, EnergyTracer, Estimator, Yarn};
@@ -45,7 +45,7 @@ const COMPARED: [Fraction; 4] = [
 ];
 
 /// The gates, and mean fractions as quantities that a baseline is compared in.
-pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<Quantity>), CheckError> {
+pub fn gates(context: &Context) -> Result<(Vec<Gate>, Vec<CheckedQuantity>), CheckError> {
     let plan = context.plan;
     let check = &plan.study.check;
     let judge = &context.judge;

@@ -29,7 +29,7 @@ mod weave;
 mod woven;
 
 pub use baseline::Baseline;
-pub use checked::{CheckEffort, Checked, Drift, Moved, Quantity, Subject};
+pub use checked::{CheckEffort, Checked, CheckedQuantity, Drift, Moved, Subject};
 pub use context::Context;
 pub use error::{BaselineError, CheckError};
 pub use gate::{Gate, GateVerdict, Judge, Law, Where};

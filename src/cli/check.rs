@@ -1,4 +1,4 @@
-use super::inspect::Chosen;
+use super::inspect::ChosenComponent;
 use super::{Failure, Options, Replace, Terminal, claim, help, inputs_of, study};
 use specval::check::{self, Baseline, CheckEffort, Checked, GateVerdict, annotations, junit, table};
 use specval::output::write_whole;
@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(long, help = format!("Test a measurement instead of a study: a built-in name ({}), a folder or a file. Tolerances are the study's", help::samples()), value_name = "SAMPLE", conflicts_with_all = ["quick", "against"])]
     sample: Option<String>,
     #[command(flatten)]
-    chosen: Chosen,
+    chosen: ChosenComponent,
     /// Compare with an earlier result as well: the document of `check --json`.
     #[arg(long, value_name = "FILE")]
     against: Option<PathBuf>,

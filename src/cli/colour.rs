@@ -1,4 +1,4 @@
-use super::inspect::Chosen;
+use super::inspect::ChosenComponent;
 use super::notice::first_of;
 use super::{Failure, Terminal, study};
 use serde::Serialize;
@@ -19,7 +19,7 @@ pub struct Arguments {
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
-    chosen: Chosen,
+    chosen: ChosenComponent,
     /// cie1931-2deg, cie1964-10deg, or a file of xbar, ybar, zbar [default: what a CGATS file states, else
     /// cie1931-2deg].
     #[arg(long, value_parser = Observer::load)]
@@ -132,7 +132,7 @@ fn no_spectra(error: impl Into<Failure>, path: &Path) -> Failure {
     study::or_other_kind(error, path, "a table of spectra", due)
 }
 
-fn read(path: &Path, chosen: Chosen) -> Result<Spectra, Failure> {
+fn read(path: &Path, chosen: ChosenComponent) -> Result<Spectra, Failure> {
     let format = formats::format_of(path);
     if matches!(format, Ok(Format::CSV)) {
         return readings(path, chosen);
@@ -175,7 +175,7 @@ fn named(file: SpectraFile) -> Result<Spectra, Failure> {
 }
 
 /// Readings over incidence and view, one spectrum for each.
-fn readings(path: &Path, chosen: Chosen) -> Result<Spectra, Failure> {
+fn readings(path: &Path, chosen: ChosenComponent) -> Result<Spectra, Failure> {
     let name = path.display().to_string();
     let sample = Sample::load_chosen(&name, chosen.into())?;
     let nm = sample.wavelengths_nm().ok_or(NoSpectra(name))?;

@@ -1,4 +1,4 @@
-use super::inspect::{Chosen, Reading, scatter_word};
+use super::inspect::{ChosenComponent, Inspection, scatter_word};
 use super::{Failure, Options, Replace, claim, in_words};
 use serde::Serialize;
 use specval::formats::registry;
@@ -19,11 +19,11 @@ pub struct Arguments {
     #[arg(long, value_name = "FORMAT", value_parser = target_of, help = format!("Format to write: {}", targets()))]
     to: Option<Target>,
     #[command(flatten)]
-    chosen: Chosen,
+    chosen: ChosenComponent,
     #[command(flatten)]
     replace: Replace,
     #[command(flatten)]
-    reading: Reading,
+    reading: Inspection,
 }
 
 #[derive(Debug, thiserror::Error)]

@@ -1,8 +1,8 @@
-use super::inspect::Chosen;
+use super::inspect::ChosenComponent;
 use super::notice::RunNotice;
 use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, inputs_of, recorded_command, study};
 use specval::formats::Scatter;
-use specval::output::{ReportFolder, Written};
+use specval::output::{EarlierFiles, ReportFolder};
 use specval::report::{
     Notice, Outline, ReportData, file_names, is_of_report, read_result, render, report_json, result_json, result_path,
     summary,
@@ -37,7 +37,7 @@ pub struct Arguments {
     #[arg(long, value_name = "RESULT", conflicts_with_all = ["study", "quick", "approximations", "measured", "scatter", "side", "until", "max_time", "resume"])]
     from: Option<PathBuf>,
     #[command(flatten)]
-    chosen: Chosen,
+    chosen: ChosenComponent,
     #[command(flatten)]
     replace: Replace,
     #[command(flatten)]
@@ -169,7 +169,7 @@ fn again(result: &Path, arguments: &Arguments, options: &Options, terminal: &Ter
 }
 
 fn write(data: &ReportData, folder: &ReportFolder, terminal: &Terminal) -> Result<(), Failure> {
-    let Written { removed, left } = folder.write(&render(data)?, is_of_report)?;
+    let EarlierFiles { removed, left } = folder.write(&render(data)?, is_of_report)?;
     for name in removed {
         terminal.notice(RunNotice::Removed {
             path: folder.path().join(name),

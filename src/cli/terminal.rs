@@ -109,32 +109,32 @@ impl Terminal {
     }
 
     /// A progress bar on stderr, if that is a terminal and `--quiet` is not given.
-    pub fn progress(&self, what: &'static str) -> Progress {
+    pub fn progress(&self, what: &'static str) -> ProgressLine {
         let bar = if self.quiet || !io::stderr().is_terminal() {
             ProgressBar::hidden()
         } else {
             let style = ProgressStyle::with_template("{msg} {wide_bar} {percent} % {eta}");
-            ProgressBar::new(Progress::STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+            ProgressBar::new(ProgressLine::STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         };
-        Progress(bar.with_message(what))
+        ProgressLine(bar.with_message(what))
     }
 
     /// A sign on stderr that work goes on of which no share is known, where [`Self::progress`] has its bar.
-    pub fn busy(&self, what: &'static str) -> Progress {
+    pub fn busy(&self, what: &'static str) -> ProgressLine {
         if self.quiet || !io::stderr().is_terminal() {
-            return Progress(ProgressBar::hidden());
+            return ProgressLine(ProgressBar::hidden());
         }
         let style = ProgressStyle::with_template("{msg} {spinner} {elapsed}");
         let bar = ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
         bar.enable_steady_tick(Duration::from_millis(200));
-        Progress(bar.with_message(what))
+        ProgressLine(bar.with_message(what))
     }
 }
 
 /// Progress of a piece of work.
-pub struct Progress(ProgressBar);
+pub struct ProgressLine(ProgressBar);
 
-impl Progress {
+impl ProgressLine {
     const STEPS: u64 = 1_000_000;
 
     /// Adds a share of the whole.

@@ -25,9 +25,9 @@ pub struct Descriptor {
     /// How the format's own words for the sides and directions are meant, where they are not those of this program.
     pub convention: Option<&'static str>,
     pub(super) detect: fn(&Beginning) -> Option<Mark>,
-    pub(super) read: Reader,
+    pub(super) read: FormatReader,
     /// `None` of formats that are read alone.
-    pub write: Option<Writer>,
+    pub write: Option<FormatWriter>,
 }
 
 impl Descriptor {
@@ -38,11 +38,11 @@ impl Descriptor {
 
     /// Whether its files hold goniometric data.
     pub(super) fn is_goniometric(&self) -> bool {
-        matches!(self.read, Reader::Goniometric(_))
+        matches!(self.read, FormatReader::Goniometric(_))
     }
 }
 
-pub(super) enum Reader {
+pub(super) enum FormatReader {
     Goniometric(fn(&Input) -> Result<Goniometric, FormatError>),
     /// A file that is told here and read elsewhere: what it is, and what to do with it.
     Elsewhere {
@@ -74,7 +74,7 @@ impl Input<'_> {
 
 /// How a format is written.
 #[derive(Clone, Copy)]
-pub struct Writer {
+pub struct FormatWriter {
     pub holds: Holds,
     /// Whether it holds standard errors of the values.
     pub errors: bool,

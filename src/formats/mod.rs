@@ -23,7 +23,7 @@ pub use crate::goniometric::{
     Hemispherical, KlemsBasis, KlemsMatrix, Parameters, Placement, Quantity, Scatter, Scattered, Side, SpecularTable,
     Table, TensorTree, Warped, direction,
 };
-pub use descriptor::{Descriptor, Holds, Writer};
+pub use descriptor::{Descriptor, FormatWriter, Holds};
 pub use error::{FormatError, Location};
 pub use options::{AngleUnit, Encoding, ReadOptions, WriteOptions};
 pub use read::{format_of, parse, read};

@@ -13,7 +13,7 @@ pub struct NamedFile {
 
 /// What became of files of an earlier report that a new one does not have, by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Written {
+pub struct EarlierFiles {
     pub removed: Vec<String>,
     pub left: Vec<String>,
 }
@@ -64,7 +64,7 @@ impl ReportFolder {
     /// Writes all files or none, and removes what an earlier report wrote here that this one does not and nobody
     /// changed. Files of an earlier report that stay are named: those that were changed, and those of a name
     /// `is_of_report` that no record has.
-    pub fn write(&self, files: &[NamedFile], is_of_report: impl Fn(&str) -> bool) -> Result<Written, OutputError> {
+    pub fn write(&self, files: &[NamedFile], is_of_report: impl Fn(&str) -> bool) -> Result<EarlierFiles, OutputError> {
         // Read again, now under the lock: the run that had it before may have ended since.
         let earlier = WrittenRecord::read(&self.path);
         let record = WrittenRecord::of(files.iter().map(|file| (file.name.as_str(), file.bytes.as_slice())));
@@ -101,7 +101,7 @@ impl ReportFolder {
             .filter(|name| names().all(|own| own != name))
             .collect();
         left.sort();
-        Ok(Written { removed, left })
+        Ok(EarlierFiles { removed, left })
     }
 }
 

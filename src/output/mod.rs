@@ -18,6 +18,6 @@ mod record;
 
 pub use error::OutputError;
 pub use file::{Output, make_folder, prepare, remove, write_all, write_whole};
-pub use folder::{NamedFile, ReportFolder, Written};
+pub use folder::{EarlierFiles, NamedFile, ReportFolder};
 pub use lock::{Lock, expect_scratch};
 pub use place::{Destination, beside};

@@ -35,7 +35,7 @@ mod work;
 
 pub use approximations::{approximations, check_approximations};
 pub use artefact::{
-    BatchTables, LengthTable, MeanTables, MediumValues, Quantities, SumTables, Systematic, Table, YarnArtefact,
+    BatchTables, LengthTable, MeanTables, MediumValues, Quantities, SumTables, Systematic, TraceTable, YarnArtefact,
     YarnAxes, YarnBatch, YarnLayout, YarnSettings, YarnSums, merge_shards,
 };
 pub use batches::{Gather, Outcome, Schedule, gather};

@@ -4,7 +4,7 @@ use crate::text::band_nm;
 use crate::text::remedy_for_brdf;
 
 /// Which column holds what.
-pub(super) struct Columns {
+pub(super) struct SampleColumns {
     pub(super) theta_i: usize,
     pub(super) theta_v: usize,
     pub(super) values: Values,
@@ -27,7 +27,7 @@ pub(super) enum Values {
     },
 }
 
-impl Columns {
+impl SampleColumns {
     /// Columns of β, and of its standard errors, none or as many.
     pub(super) fn places(&self) -> (Vec<usize>, Vec<usize>) {
         let of = |list: &[(f64, usize)]| list.iter().map(|(_, column)| *column).collect();

@@ -2,33 +2,33 @@
 
 use std::collections::HashMap;
 
-use super::columns::{Columns, Values};
+use super::columns::{SampleColumns, Values};
 use super::error::SampleError;
 use super::nominal::{ANGLE_TOLERANCE_DEG, AnglesRead, as_read, nominal};
 use super::notice::SampleNotice;
-use super::row::{Axis, Row, unit_doubts};
+use super::row::{ReadingAxis, SampleRow, unit_doubts};
 use crate::number::shown;
 use crate::spectrum::plausibility;
 use crate::spectrum::{CsvError, CsvTable, Doubt, WavelengthGrid};
 
 /// Readings over incidence and view, all of them on the same channels or wavelengths.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Curves {
-    axis: Axis,
+pub(super) struct SampleCurves {
+    axis: ReadingAxis,
     has_se: bool,
     /// Ascending by incidence, then by view; a geometry occurs once.
-    rows: Vec<Row>,
+    rows: Vec<SampleRow>,
     angles: AnglesRead,
     /// What the reader assumed, left out or found implausible.
     notices: Vec<SampleNotice>,
 }
 
-impl Curves {
-    pub(super) fn axis(&self) -> &Axis {
+impl SampleCurves {
+    pub(super) fn axis(&self) -> &ReadingAxis {
         &self.axis
     }
 
-    pub(super) fn rows(&self) -> &[Row] {
+    pub(super) fn rows(&self) -> &[SampleRow] {
         &self.rows
     }
 
@@ -46,8 +46,8 @@ impl Curves {
 }
 
 /// Reads readings of any layout; the header says which.
-pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<Curves, SampleError> {
-    let columns = Columns::of(&table)?;
+pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<SampleCurves, SampleError> {
+    let columns = SampleColumns::of(&table)?;
     let relative_se = relative_se.unwrap_or(0.0);
     let mut notices: Vec<SampleNotice> = SampleNotice::of_file(table.notices()).collect();
     if !table.renamed().is_empty() {
@@ -73,7 +73,7 @@ pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<Curves
     }
     let has_se = columns.has_se();
     let (axis, rows) = match &columns.values {
-        Values::Rgb { .. } => (Axis::Rgb, each_once(&table, lines, &mut notices)?),
+        Values::Rgb { .. } => (ReadingAxis::Rgb, each_once(&table, lines, &mut notices)?),
         Values::Wide { beta, .. } => wide(&table, beta, lines, &mut notices)?,
         Values::Long { wavelength, .. } => spectral(&table, *wavelength, lines, &mut notices)?,
     };
@@ -84,7 +84,7 @@ pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<Curves
         false => nominal(rows),
     };
     notices.extend(doubts.into_iter().map(SampleNotice::from));
-    Ok(Curves {
+    Ok(SampleCurves {
         axis,
         has_se,
         rows,
@@ -94,7 +94,7 @@ pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<Curves
 }
 
 /// What columns of other names were taken for, and what that means for the sign of a view.
-fn renamed(columns: &Columns, table: &CsvTable) -> SampleNotice {
+fn renamed(columns: &SampleColumns, table: &CsvTable) -> SampleNotice {
     SampleNotice::RenamedColumns {
         columns: table.renamed().to_vec(),
         unsigned: (0..table.len()).all(|row| !table.text(row, columns.theta_v).starts_with('-')),
@@ -105,10 +105,10 @@ fn renamed(columns: &Columns, table: &CsvTable) -> SampleNotice {
 const BELOW_NORMAL_DEG: f64 = -super::nominal::ANGLE_TOLERANCE_DEG;
 
 /// One line of readings: a whole reading, or one wavelength of the long layout.
-type Line = Row;
+type Line = SampleRow;
 
 impl Line {
-    fn read(table: &CsvTable, columns: &Columns, row: usize, relative_se: f64) -> Result<Self, Box<CsvError>> {
+    fn read(table: &CsvTable, columns: &SampleColumns, row: usize, relative_se: f64) -> Result<Self, Box<CsvError>> {
         let checked = |column: usize, expected: &str, remedy: &str, allowed: &dyn Fn(f64) -> bool| {
             let value = table.number(row, column, expected)?;
             if allowed(value) {
@@ -162,7 +162,7 @@ impl Line {
     fn negative(
         &self,
         table: &CsvTable,
-        columns: &Columns,
+        columns: &SampleColumns,
         row: usize,
         largest: f64,
     ) -> Result<Vec<f64>, Box<CsvError>> {
@@ -187,11 +187,11 @@ impl Line {
 const BETA: &str = "a brightness factor, dimensionless, 0 or more";
 
 /// Bits of the two angles; adding 0 makes one zero of the two.
-fn key(row: &Row) -> [u64; 2] {
+fn key(row: &SampleRow) -> [u64; 2] {
     [(row.theta_i_deg + 0.0).to_bits(), (row.theta_v_deg + 0.0).to_bits()]
 }
 
-fn geometry_text(row: &Row) -> String {
+fn geometry_text(row: &SampleRow) -> String {
     format!(
         "theta_i_deg {}, theta_v_deg {}",
         shown(row.theta_i_deg),
@@ -200,11 +200,15 @@ fn geometry_text(row: &Row) -> String {
 }
 
 /// Rows of different geometries; the same reading written twice is one, and `notices` tell how many.
-fn each_once(table: &CsvTable, entries: Vec<Row>, notices: &mut Vec<SampleNotice>) -> Result<Vec<Row>, Box<CsvError>> {
+fn each_once(
+    table: &CsvTable,
+    entries: Vec<SampleRow>,
+    notices: &mut Vec<SampleNotice>,
+) -> Result<Vec<SampleRow>, Box<CsvError>> {
     let mut seen: HashMap<[u64; 2], usize> = HashMap::new();
     let mut repeated = 0;
     let mut first_lines = Vec::new();
-    let mut rows: Vec<Row> = Vec::with_capacity(entries.len());
+    let mut rows: Vec<SampleRow> = Vec::with_capacity(entries.len());
     for (index, entry) in entries.into_iter().enumerate() {
         match seen.get(&key(&entry)) {
             Some(&first) if rows[first] == entry => repeated += 1,
@@ -241,7 +245,7 @@ fn wide(
     columns: &[(f64, usize)],
     lines: Vec<Line>,
     notices: &mut Vec<SampleNotice>,
-) -> Result<(Axis, Vec<Row>), SampleError> {
+) -> Result<(ReadingAxis, Vec<SampleRow>), SampleError> {
     let kept = |k: &usize| COLOUR_NM.contains(&columns[*k].0);
     let places: Vec<usize> = (0..columns.len()).filter(kept).collect();
     if places.len() < 2 {
@@ -255,14 +259,14 @@ fn wide(
     let take = |values: &[f64]| places.iter().map(|&k| values[k]).collect();
     let rows = lines
         .into_iter()
-        .map(|line| Row {
+        .map(|line| SampleRow {
             beta: take(&line.beta),
             se: take(&line.se),
             ..line
         })
         .collect();
     let rows = each_once(table, rows, notices)?;
-    Ok((Axis::Wavelengths(WavelengthGrid::new(nm)?), rows))
+    Ok((ReadingAxis::Wavelengths(WavelengthGrid::new(nm)?), rows))
 }
 
 /// One geometry of a spectral table while its lines are gathered.
@@ -320,7 +324,7 @@ fn spectral(
     column: usize,
     entries: Vec<Line>,
     notices: &mut Vec<SampleNotice>,
-) -> Result<(Axis, Vec<Row>), SampleError> {
+) -> Result<(ReadingAxis, Vec<SampleRow>), SampleError> {
     const NM: std::ops::RangeInclusive<f64> = 100.0..=3000.0;
     let mut found: HashMap<[u64; 2], usize> = HashMap::new();
     let mut geometries: Vec<Gathered> = Vec::new();
@@ -395,12 +399,13 @@ fn spectral(
     let rows = geometries
         .iter()
         .map(|geometry| {
-            let values = |of: fn(&Row) -> f64| geometry.points.iter().map(|point| of(&entries[point.1])).collect();
-            let angle = |of: fn(&Row) -> f64| match joined_deg > 0.0 {
+            let values =
+                |of: fn(&SampleRow) -> f64| geometry.points.iter().map(|point| of(&entries[point.1])).collect();
+            let angle = |of: fn(&SampleRow) -> f64| match joined_deg > 0.0 {
                 true => geometry.points.iter().map(|point| of(&entries[point.1])).sum::<f64>() / nm.len() as f64,
                 false => of(&entries[geometry.first_row]),
             };
-            Row {
+            SampleRow {
                 theta_i_deg: angle(|entry| entry.theta_i_deg),
                 theta_v_deg: angle(|entry| entry.theta_v_deg),
                 beta: values(|entry| entry.beta[0]),
@@ -408,5 +413,5 @@ fn spectral(
             }
         })
         .collect();
-    Ok((Axis::Wavelengths(WavelengthGrid::new(nm)?), rows))
+    Ok((ReadingAxis::Wavelengths(WavelengthGrid::new(nm)?), rows))
 }

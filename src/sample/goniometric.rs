@@ -1,7 +1,7 @@
 use super::description::Chosen;
 use super::error::SampleError;
 use super::notice::SampleNotice;
-use super::row::{Axis, Row, unit_doubts};
+use super::row::{ReadingAxis, SampleRow, unit_doubts};
 use crate::goniometric::{ChannelSet, Component, Goniometric, Placement, Quantity, Scatter, Side, Table, direction};
 use crate::spectrum::WavelengthGrid;
 
@@ -15,13 +15,13 @@ pub(super) struct GoniometricData {
     component: Component,
     /// What the component is in the file.
     scatter: Scatter,
-    axis: Axis,
+    axis: ReadingAxis,
     /// Channels that the axis takes.
     channels: std::ops::Range<usize>,
     relative_se: f64,
     /// Of the file's own incidences with the views every 5 degrees that it has a value at; of readings that need not
     /// form a grid, those in the plane.
-    rows: Vec<Row>,
+    rows: Vec<SampleRow>,
     outside_plane: usize,
     notices: Vec<SampleNotice>,
 }
@@ -57,8 +57,8 @@ impl GoniometricData {
             ));
         }
         let (axis, channels) = match &component.channels {
-            ChannelSet::Rgb => (Axis::Rgb, 0..3),
-            ChannelSet::Xyz => (Axis::Xyz, 0..3),
+            ChannelSet::Rgb => (ReadingAxis::Rgb, 0..3),
+            ChannelSet::Xyz => (ReadingAxis::Xyz, 0..3),
             ChannelSet::Monochrome => {
                 return Err(refuse(
                     "spectra, XYZ or RGB",
@@ -71,7 +71,7 @@ impl GoniometricData {
                 let first = nm.partition_point(|w| w < COLOUR_NM.start());
                 let end = nm.partition_point(|w| w <= COLOUR_NM.end());
                 (
-                    Axis::Wavelengths(WavelengthGrid::new(nm[first..end].to_vec())?),
+                    ReadingAxis::Wavelengths(WavelengthGrid::new(nm[first..end].to_vec())?),
                     first..end,
                 )
             }
@@ -149,16 +149,16 @@ impl GoniometricData {
         matches!(&self.component.table, Table::Scattered(table) if !table.reading_errors().is_empty())
     }
 
-    pub(super) fn axis(&self) -> &Axis {
+    pub(super) fn axis(&self) -> &ReadingAxis {
         &self.axis
     }
 
-    pub(super) fn rows(&self) -> &[Row] {
+    pub(super) fn rows(&self) -> &[SampleRow] {
         &self.rows
     }
 
     /// β at a geometry, and whether the file has no value at the very place.
-    pub(super) fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(Row, bool)> {
+    pub(super) fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(SampleRow, bool)> {
         let omega_in = direction(-theta_i_deg.to_radians(), 0.0);
         let omega_out = direction(theta_v_deg.to_radians(), 0.0);
         let evaluation = self.component.eval(&omega_in, &omega_out)?;
@@ -169,7 +169,7 @@ impl GoniometricData {
             Some(errors) => errors[self.channels.clone()].to_vec(),
             None => beta.iter().map(|b| b * self.relative_se).collect(),
         };
-        let row = Row {
+        let row = SampleRow {
             theta_i_deg,
             theta_v_deg,
             beta,

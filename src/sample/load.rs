@@ -122,9 +122,9 @@ impl Sample {
 
     pub fn uncertainty(&self) -> Uncertainty {
         match (&self.data, self.description.relative_standard_uncertainty) {
-            (Data::Curves(curves), _) if curves.has_se() => Uncertainty::Columns,
+            (Data::SampleCurves(curves), _) if curves.has_se() => Uncertainty::Columns,
             (Data::Goniometric(data), _) if data.has_se() => Uncertainty::Columns,
-            (Data::Curves(_), Some(relative)) => Uncertainty::Relative(relative),
+            (Data::SampleCurves(_), Some(relative)) => Uncertainty::Relative(relative),
             _ => Uncertainty::NotStated,
         }
     }
@@ -142,7 +142,7 @@ impl Sample {
         let data = if table.column("row").is_some() {
             Data::Ratios(ratios(&table)?)
         } else {
-            Data::Curves(curves(table, description.relative_standard_uncertainty)?)
+            Data::SampleCurves(curves(table, description.relative_standard_uncertainty)?)
         };
         Ok(Self {
             description,

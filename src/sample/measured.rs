@@ -1,17 +1,17 @@
 //! A sample, whatever layout its file has.
 
-use super::curves::Curves;
+use super::curves::SampleCurves;
 use super::description::Description;
 use super::goniometric::GoniometricData;
 use super::nominal::AnglesRead;
 use super::notice::SampleNotice;
 use super::ratios::PublishedRatios;
-use super::row::{Axis, Row, unit_doubts};
+use super::row::{ReadingAxis, SampleRow, unit_doubts};
 use crate::goniometric::Scatter;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Data {
-    Curves(Curves),
+    SampleCurves(SampleCurves),
     Goniometric(Box<GoniometricData>),
     Ratios(PublishedRatios),
 }
@@ -42,7 +42,7 @@ impl Sample {
     pub fn published_ratios(&self) -> Option<&PublishedRatios> {
         match &self.data {
             Data::Ratios(ratios) => Some(ratios),
-            Data::Curves(_) | Data::Goniometric(_) => None,
+            Data::SampleCurves(_) | Data::Goniometric(_) => None,
         }
     }
 
@@ -54,9 +54,9 @@ impl Sample {
         self.rows().iter().map(|row| (row.theta_i_deg, row.theta_v_deg))
     }
 
-    fn rows(&self) -> &[Row] {
+    fn rows(&self) -> &[SampleRow] {
         match &self.data {
-            Data::Curves(curves) => curves.rows(),
+            Data::SampleCurves(curves) => curves.rows(),
             Data::Goniometric(data) => data.rows(),
             Data::Ratios(_) => &[],
         }
@@ -76,7 +76,7 @@ impl Sample {
     /// show.
     pub fn notices(&self) -> &[SampleNotice] {
         match &self.data {
-            Data::Curves(curves) => curves.notices(),
+            Data::SampleCurves(curves) => curves.notices(),
             Data::Goniometric(data) => data.notices(),
             Data::Ratios(_) => &[],
         }
@@ -96,7 +96,7 @@ impl Sample {
     /// What was made of angles that an encoder read back.
     pub fn angles_read(&self) -> AnglesRead {
         match &self.data {
-            Data::Curves(curves) => curves.angles(),
+            Data::SampleCurves(curves) => curves.angles(),
             Data::Goniometric(_) | Data::Ratios(_) => AnglesRead::default(),
         }
     }
@@ -105,7 +105,7 @@ impl Sample {
     pub fn readings_outside_plane(&self) -> usize {
         match &self.data {
             Data::Goniometric(data) => data.outside_plane(),
-            Data::Curves(_) | Data::Ratios(_) => 0,
+            Data::SampleCurves(_) | Data::Ratios(_) => 0,
         }
     }
 
@@ -124,20 +124,20 @@ impl Sample {
     pub fn hemispherical(&self, theta_i_deg: f64) -> Option<(Vec<f64>, f64)> {
         match &self.data {
             Data::Goniometric(data) => data.hemispherical(theta_i_deg),
-            Data::Curves(_) | Data::Ratios(_) => None,
+            Data::SampleCurves(_) | Data::Ratios(_) => None,
         }
     }
 
     /// Wavelengths in nm that the values of [`Sample::raw`] stand at; `None` for RGB and XYZ.
     pub fn wavelengths_nm(&self) -> Option<&[f64]> {
         let axis = match &self.data {
-            Data::Curves(curves) => curves.axis(),
+            Data::SampleCurves(curves) => curves.axis(),
             Data::Goniometric(data) => data.axis(),
             Data::Ratios(_) => return None,
         };
         match axis {
-            Axis::Wavelengths(grid) => Some(grid.nm()),
-            Axis::Rgb | Axis::Xyz => None,
+            ReadingAxis::Wavelengths(grid) => Some(grid.nm()),
+            ReadingAxis::Rgb | ReadingAxis::Xyz => None,
         }
     }
 }

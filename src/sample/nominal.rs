@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::row::Row;
+use super::row::SampleRow;
 
 /// Incidences in degrees that differ by no more are one incidence, and so far a reading may lie from the geometry it is
 /// compared at.
@@ -24,7 +24,7 @@ pub struct AnglesRead {
 
 /// A reading at its nominal angles and at those read.
 struct Placed {
-    row: Row,
+    row: SampleRow,
     read_deg: [f64; 2],
 }
 
@@ -33,7 +33,7 @@ struct Placed {
 /// Incidences within [`ANGLE_TOLERANCE_DEG`] of each other become their mean, and angles within 0.1 degrees of a whole
 /// number become that. Readings of one geometry become their mean; its standard error is the larger of what theirs
 /// give, as independent, and of what their scatter gives.
-pub(super) fn nominal(rows: Vec<Row>) -> (Vec<Row>, AnglesRead) {
+pub(super) fn nominal(rows: Vec<SampleRow>) -> (Vec<SampleRow>, AnglesRead) {
     let mut placed: Vec<Placed> = rows
         .into_iter()
         .map(|row| Placed {
@@ -94,7 +94,7 @@ pub(super) fn nominal(rows: Vec<Row>) -> (Vec<Row>, AnglesRead) {
 }
 
 /// Rows at the angles that were read, ascending: of angles that are none in degrees.
-pub(super) fn as_read(mut rows: Vec<Row>) -> (Vec<Row>, AnglesRead) {
+pub(super) fn as_read(mut rows: Vec<SampleRow>) -> (Vec<SampleRow>, AnglesRead) {
     rows.sort_by(|a, b| (a.theta_i_deg.total_cmp(&b.theta_i_deg)).then(a.theta_v_deg.total_cmp(&b.theta_v_deg)));
     (rows, AnglesRead::default())
 }
@@ -115,7 +115,7 @@ fn whole(angle_deg: f64, within_deg: f64) -> f64 {
     }
 }
 
-fn mean(repeats: &[Placed]) -> Row {
+fn mean(repeats: &[Placed]) -> SampleRow {
     let first = &repeats[0].row;
     let count = repeats.len() as f64;
     if repeats.len() == 1 {
@@ -130,7 +130,7 @@ fn mean(repeats: &[Placed]) -> Row {
         beta.push(mean);
         se.push(scatter.max(stated).sqrt());
     }
-    Row {
+    SampleRow {
         beta,
         se,
         ..first.clone()
@@ -141,8 +141,8 @@ fn mean(repeats: &[Placed]) -> Row {
 mod tests {
     use super::*;
 
-    fn row(theta_i_deg: f64, theta_v_deg: f64, beta: f64, se: f64) -> Row {
-        Row {
+    fn row(theta_i_deg: f64, theta_v_deg: f64, beta: f64, se: f64) -> SampleRow {
+        SampleRow {
             theta_i_deg,
             theta_v_deg,
             beta: vec![beta],
@@ -150,7 +150,7 @@ mod tests {
         }
     }
 
-    fn angles(rows: &[Row]) -> Vec<(f64, f64)> {
+    fn angles(rows: &[SampleRow]) -> Vec<(f64, f64)> {
         rows.iter().map(|row| (row.theta_i_deg, row.theta_v_deg)).collect()
     }
 
@@ -173,11 +173,11 @@ mod tests {
 
     #[test]
     fn fine_steps_are_kept() {
-        let views: Vec<Row> = (-10..=10).map(|k| row(45.0, 0.1 * f64::from(k), 0.3, 0.0)).collect();
+        let views: Vec<SampleRow> = (-10..=10).map(|k| row(45.0, 0.1 * f64::from(k), 0.3, 0.0)).collect();
         let (rows, read) = nominal(views.clone());
         assert_eq!(rows.len(), 21);
         assert_eq!((read.moved, read.combined), (0, 0));
-        let incidences: Vec<Row> = (0..9).map(|k| row(30.0 + 0.2 * f64::from(k), 0.0, 0.3, 0.0)).collect();
+        let incidences: Vec<SampleRow> = (0..9).map(|k| row(30.0 + 0.2 * f64::from(k), 0.0, 0.3, 0.0)).collect();
         assert_eq!(nominal(incidences).0.len(), 9);
         // Angles written with a decimal that is no noise.
         assert_eq!(angles(&nominal(vec![row(22.5, 36.87, 0.3, 0.0)]).0), [(22.5, 36.87)]);

@@ -1,8 +1,8 @@
-use super::curves::Curves;
+use super::curves::SampleCurves;
 use super::error::SampleError;
 use super::measured::{Data, Sample};
 use super::nominal::ANGLE_TOLERANCE_DEG;
-use super::row::{Axis, Row};
+use super::row::{ReadingAxis, SampleRow};
 use crate::colour::{ColourSystem, Convention, LinearRgb, Xyz};
 use crate::spectrum::{Samples, WavelengthGrid};
 
@@ -57,13 +57,13 @@ impl Sample {
             return Ok(None);
         };
         let (beta, weights) = match axis {
-            Axis::Rgb => {
+            ReadingAxis::Rgb => {
                 let rgb = LinearRgb([row.beta[0], row.beta[1], row.beta[2]]);
                 let [r, g, b] = convention.rgb.luminance_row();
                 let weights = vec![[1.0, 0.0, 0.0, r], [0.0, 1.0, 0.0, g], [0.0, 0.0, 1.0, b]];
                 ([rgb.0[0], rgb.0[1], rgb.0[2], convention.rgb.luminance(rgb)], weights)
             }
-            Axis::Xyz => {
+            ReadingAxis::Xyz => {
                 // Without adaptation the matrix is the same for every grid.
                 let system = ColourSystem::new(&WavelengthGrid::preprint(), convention.clone())?;
                 let channels = |x: f64, y: f64, z: f64| {
@@ -77,7 +77,7 @@ impl Sample {
                 ];
                 (channels(row.beta[0], row.beta[1], row.beta[2]), weights)
             }
-            Axis::Wavelengths(grid) => {
+            ReadingAxis::Wavelengths(grid) => {
                 let system = ColourSystem::new(grid, convention.clone())?;
                 system.require()?;
                 let xyz = system.xyz(&row.beta);
@@ -103,11 +103,11 @@ impl Sample {
     /// Whether the convention's tables cover the sample's wavelengths, without which there is no [`Sample::reading`].
     pub fn check_convention(&self, convention: &Convention) -> Result<(), SampleError> {
         let axis = match &self.data {
-            Data::Curves(curves) => curves.axis(),
+            Data::SampleCurves(curves) => curves.axis(),
             Data::Goniometric(data) => data.axis(),
             Data::Ratios(_) => return Ok(()),
         };
-        if let Axis::Wavelengths(grid) = axis {
+        if let ReadingAxis::Wavelengths(grid) = axis {
             ColourSystem::new(grid, convention.clone())?;
         }
         Ok(())
@@ -116,16 +116,16 @@ impl Sample {
     /// Why the colours of these spectral data are doubtful, or missing, under a convention.
     pub fn colour_doubt(&self, convention: &Convention) -> Result<Option<String>, SampleError> {
         let axis = match &self.data {
-            Data::Curves(curves) => curves.axis(),
+            Data::SampleCurves(curves) => curves.axis(),
             Data::Goniometric(data) => data.axis(),
             Data::Ratios(_) => return Ok(None),
         };
         match axis {
-            Axis::Wavelengths(grid) => {
+            ReadingAxis::Wavelengths(grid) => {
                 let system = ColourSystem::new(grid, convention.clone())?;
                 Ok(system.doubt().map(str::to_owned))
             }
-            Axis::Rgb | Axis::Xyz => Ok(None),
+            ReadingAxis::Rgb | ReadingAxis::Xyz => Ok(None),
         }
     }
 
@@ -133,7 +133,7 @@ impl Sample {
     /// data.
     pub fn spectrum(&self, theta_i_deg: f64, theta_v_deg: f64) -> Result<Option<Samples>, SampleError> {
         match self.at(theta_i_deg, theta_v_deg) {
-            Some((Axis::Wavelengths(grid), row, _)) => Ok(Some(Samples::new(self.name(), grid, row.beta)?)),
+            Some((ReadingAxis::Wavelengths(grid), row, _)) => Ok(Some(Samples::new(self.name(), grid, row.beta)?)),
             _ => Ok(None),
         }
     }
@@ -141,16 +141,16 @@ impl Sample {
     /// Whether the readings are linear RGB of some space, not spectra or XYZ.
     pub fn is_rgb(&self) -> bool {
         match &self.data {
-            Data::Curves(curves) => *curves.axis() == Axis::Rgb,
-            Data::Goniometric(data) => *data.axis() == Axis::Rgb,
+            Data::SampleCurves(curves) => *curves.axis() == ReadingAxis::Rgb,
+            Data::Goniometric(data) => *data.axis() == ReadingAxis::Rgb,
             Data::Ratios(_) => false,
         }
     }
 
     /// Values at a geometry, what they stand for, and whether they are interpolated.
-    pub(super) fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(&Axis, Row, bool)> {
+    pub(super) fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(&ReadingAxis, SampleRow, bool)> {
         match &self.data {
-            Data::Curves(curves) => {
+            Data::SampleCurves(curves) => {
                 let (row, interpolated) = curves.at(theta_i_deg, theta_v_deg)?;
                 Some((curves.axis(), row, interpolated))
             }
@@ -163,12 +163,12 @@ impl Sample {
     }
 }
 
-impl Curves {
+impl SampleCurves {
     /// Values at a geometry, and whether they are interpolated.
-    fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(Row, bool)> {
+    fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(SampleRow, bool)> {
         /// Angles in degrees that differ by less are the same angle, written differently.
         const SAME_DEG: f64 = 1e-9;
-        let off = |row: &&Row| (row.theta_i_deg - theta_i_deg).abs();
+        let off = |row: &&SampleRow| (row.theta_i_deg - theta_i_deg).abs();
         let nearest = self.rows().iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
         if off(&nearest) > ANGLE_TOLERANCE_DEG {
             return None;
@@ -189,7 +189,7 @@ impl Curves {
         let pairs = |a: &[f64], b: &[f64], f: fn(f64, f64, f64) -> f64| {
             a.iter().zip(b).map(|(a, b)| f(*a, *b, t)).collect::<Vec<_>>()
         };
-        let row = Row {
+        let row = SampleRow {
             theta_i_deg,
             theta_v_deg,
             beta: pairs(&below.beta, &above.beta, |a, b, t| a + t * (b - a)),

@@ -3,7 +3,7 @@ use crate::spectrum::{Doubt, WavelengthGrid};
 
 /// What the values of a row stand for.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Axis {
+pub(super) enum ReadingAxis {
     Rgb,
     Xyz,
     Wavelengths(WavelengthGrid),
@@ -11,7 +11,7 @@ pub(super) enum Axis {
 
 /// β and its standard error, one value a channel or wavelength.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Row {
+pub(super) struct SampleRow {
     pub(super) theta_i_deg: f64,
     pub(super) theta_v_deg: f64,
     pub(super) beta: Vec<f64>,
@@ -19,7 +19,7 @@ pub(super) struct Row {
 }
 
 /// Per cent in place of fractions, and radians in place of degrees.
-pub(super) fn unit_doubts(rows: &[Row]) -> impl Iterator<Item = Doubt> {
+pub(super) fn unit_doubts(rows: &[SampleRow]) -> impl Iterator<Item = Doubt> {
     let readings = rows.iter().flat_map(|row| {
         let in_lobe = in_lobe_of_plane(row.theta_i_deg, row.theta_v_deg);
         row.beta.iter().map(move |beta| (*beta, in_lobe))

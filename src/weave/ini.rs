@@ -9,7 +9,7 @@ pub(super) struct IniEntry<'a> {
     pub(super) at: usize,
 }
 
-pub(super) struct Section<'a> {
+pub(super) struct IniSection<'a> {
     /// Upper case.
     pub(super) name: String,
     pub(super) entries: Vec<IniEntry<'a>>,
@@ -18,7 +18,7 @@ pub(super) struct Section<'a> {
 
 pub(super) struct Ini<'a> {
     pub(super) text: Text<'a>,
-    sections: Vec<Section<'a>>,
+    sections: Vec<IniSection<'a>>,
     /// Warnings about ignored content.
     pub(super) warnings: Vec<String>,
 }
@@ -52,7 +52,7 @@ fn is_read(section: &str) -> bool {
 impl<'a> Ini<'a> {
     pub(super) fn parse(path: &'a str, text: &'a str) -> Result<Self, FormatError> {
         let text = Text::new(path, text);
-        let mut sections: Vec<Section> = Vec::new();
+        let mut sections: Vec<IniSection> = Vec::new();
         let mut before = 0usize;
         let start = text.text.as_ptr() as usize;
         for line in text.text.split(['\n', '\r']).map(str::trim) {
@@ -74,7 +74,7 @@ impl<'a> Ini<'a> {
                     return Err(text.error(at, "each section once", quoted(line), remedy::ONE_OF_TWO));
                 }
                 let entries = Vec::new();
-                sections.push(Section { name, entries, at });
+                sections.push(IniSection { name, entries, at });
                 continue;
             }
             let Some(section) = sections.last_mut() else {
@@ -118,7 +118,7 @@ impl<'a> Ini<'a> {
     }
 
     /// A section by its name in upper case.
-    pub(super) fn section(&self, name: &str) -> Option<&Section<'a>> {
+    pub(super) fn section(&self, name: &str) -> Option<&IniSection<'a>> {
         self.sections.iter().find(|s| s.name == name)
     }
 

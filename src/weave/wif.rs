@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::ini::{Ini, Section};
+use super::ini::{Ini, IniSection};
 use super::{Thread, WeaveDraft};
 use crate::formats::{FormatError, quoted, remedy};
 use crate::number::count;
@@ -37,7 +37,7 @@ pub(super) fn parse(path: &str, text: &str) -> Result<WeaveDraft, FormatError> {
             return Err(FormatError::file(path, expected, "neither", remedy));
         }
     };
-    let mut from_zero = |section: &Section, what: &str| -> bool {
+    let mut from_zero = |section: &IniSection, what: &str| -> bool {
         let zero = section.entries.iter().any(|entry| entry.key == "0");
         if zero {
             warnings.push(format!(
@@ -154,7 +154,7 @@ pub(super) fn parse(path: &str, text: &str) -> Result<WeaveDraft, FormatError> {
     })
 }
 
-fn required<'i, 'a>(ini: &'i Ini<'a>, name: &str) -> Result<&'i Section<'a>, FormatError> {
+fn required<'i, 'a>(ini: &'i Ini<'a>, name: &str) -> Result<&'i IniSection<'a>, FormatError> {
     let section = ini.section(name);
     section.ok_or_else(|| {
         let remedy = "export the draft with it, or copy the file again: it may be cut short";
@@ -202,7 +202,7 @@ fn is_true(word: &str) -> Option<bool> {
 /// Lists of numbers by a whole number; 0 and nothing stand for none, unless numbers count from 0.
 fn numbers(
     ini: &Ini,
-    section: &Section,
+    section: &IniSection,
     from_zero: bool,
     what: &str,
     most: Option<usize>,

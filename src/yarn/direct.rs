@@ -1,5 +1,5 @@
 use super::response_cells::{LightSide, ResponseCells};
-use super::tracer::{Beam, Tracer};
+use super::tracer::{ParallelBeam, Tracer};
 use super::{Effort, LengthBins, LengthTally, Yarn, YarnError, YarnResponse, YarnResponseGrid, add_scaled};
 use crate::fault::{self, Fault};
 use crate::transport::{Ledger, Purpose};
@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 /// Traces parallel beams over the whole yarn and tallies f* directly, without a BSSRDF.
 pub struct DirectTracer<'a> {
-    tracer: Tracer<'a, Beam>,
+    tracer: Tracer<'a, ParallelBeam>,
     grid: YarnResponseGrid,
     cells: ResponseCells,
     lengths: Option<LengthBins>,
@@ -31,7 +31,7 @@ impl<'a> DirectTracer<'a> {
         effort: Effort,
         lengths: Option<LengthBins>,
     ) -> Result<Self, YarnError> {
-        let beam = Beam {
+        let beam = ParallelBeam {
             purpose: Purpose::Direct,
             radius_mm: yarn.cylinder.radius_mm(),
             sines: (0..grid.tilts())

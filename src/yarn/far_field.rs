@@ -1,4 +1,4 @@
-use super::tracer::{Beam, Tracer};
+use super::tracer::{ParallelBeam, Tracer};
 use super::{Effort, Yarn, YarnError, add_scaled};
 use crate::transport::{Ledger, Purpose};
 use rayon::prelude::*;
@@ -60,7 +60,7 @@ impl FarFieldGrid {
 
 /// Traces the far field of a yarn in parallel beams: the scattered radiant intensity, without regard to the exit point.
 pub struct FarFieldTracer<'a> {
-    tracer: Tracer<'a, Beam>,
+    tracer: Tracer<'a, ParallelBeam>,
     grid: FarFieldGrid,
 }
 
@@ -79,7 +79,7 @@ pub struct FarFieldBatch {
 impl<'a> FarFieldTracer<'a> {
     /// `effort` gives the paths for each tilt.
     pub fn new(yarn: &'a Yarn, grid: FarFieldGrid, effort: Effort) -> Result<Self, YarnError> {
-        let beam = Beam {
+        let beam = ParallelBeam {
             purpose: Purpose::Check,
             radius_mm: yarn.cylinder.radius_mm(),
             sines: (0..grid.tilts).map(|tilt| grid.sines(tilt)).collect(),

@@ -1,6 +1,6 @@
 //! Locality: distance along the yarn between the entry and the exit of scattered light.
 
-use super::tracer::{Beam, Tracer};
+use super::tracer::{ParallelBeam, Tracer};
 use super::{Effort, Yarn, YarnError};
 use crate::transport::{Estimate, Purpose};
 
@@ -14,7 +14,7 @@ pub fn scattered_beyond<const N: usize>(
     distances_mm: [f64; N],
     seed: u64,
 ) -> Result<Vec<[Estimate; N]>, YarnError> {
-    let beam = Beam {
+    let beam = ParallelBeam {
         purpose: Purpose::Locality,
         radius_mm: yarn.cylinder.radius_mm(),
         sines: vec![[0.0; 2]],
@@ -34,7 +34,7 @@ pub fn scattered_beyond<const N: usize>(
 }
 
 /// One batch: `[wavelength][distance]`.
-fn shares<const N: usize>(tracer: &Tracer<Beam>, distances_mm: [f64; N], batch: usize) -> Vec<[f64; N]> {
+fn shares<const N: usize>(tracer: &Tracer<ParallelBeam>, distances_mm: [f64; N], batch: usize) -> Vec<[f64; N]> {
     let mut beyond = vec![[0.0; N]; tracer.wavelengths()];
     let mut scattered = vec![0.0; tracer.wavelengths()];
     tracer.part(batch, 0, |exit, here| {

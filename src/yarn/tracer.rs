@@ -69,7 +69,7 @@ impl<'a, S: LightSource> Tracer<'a, S> {
 
 /// Parallel beams over the whole width of a yarn. A part is a band of tilts between two sines, over which beams are
 /// uniform in sin ψ: uniform radiance from that band of directions.
-pub(super) struct Beam {
+pub(super) struct ParallelBeam {
     pub purpose: Purpose,
     pub radius_mm: f64,
     /// Limits of sin ψ of each part.
@@ -78,7 +78,7 @@ pub(super) struct Beam {
     pub both_sides: bool,
 }
 
-impl LightSource for Beam {
+impl LightSource for ParallelBeam {
     fn purpose(&self) -> Purpose {
         self.purpose
     }

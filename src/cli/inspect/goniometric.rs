@@ -1,5 +1,5 @@
 use super::super::{Failure, Terminal, in_words};
-use super::Chosen;
+use super::ChosenComponent;
 use super::series::Series;
 use serde::Serialize;
 use specval::formats::registry;
@@ -72,7 +72,7 @@ struct Reflectance {
     measured: f64,
 }
 
-pub fn show(path: &Path, data: Goniometric, chosen: &Chosen, terminal: &Terminal) -> Result<(), Failure> {
+pub fn show(path: &Path, data: Goniometric, chosen: &ChosenComponent, terminal: &Terminal) -> Result<(), Failure> {
     let inspection = inspect(data, chosen).map_err(|error| format!("{}: {error}", in_words(path)))?;
     terminal.result(&inspection, text)
 }
@@ -84,7 +84,7 @@ struct NoneChosen {
     found: String,
 }
 
-fn inspect(data: Goniometric, chosen: &Chosen) -> Result<Inspection, Failure> {
+fn inspect(data: Goniometric, chosen: &ChosenComponent) -> Result<Inspection, Failure> {
     let mut warnings = data.warnings;
     let components: Vec<Part> = data.components.iter().filter(|c| chosen.holds(c)).map(part).collect();
     if components.is_empty() {

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// What some formats leave open.
 #[derive(Debug, clap::Args)]
-pub struct Reading {
+pub struct Inspection {
     /// The file holds transmission; for Integra and ASTM files, which do not say.
     #[arg(long, conflicts_with = "reflection")]
     transmission: bool,
@@ -31,7 +31,7 @@ pub struct Reading {
 
 /// Which components of a file are meant.
 #[derive(Clone, Copy, Debug, clap::Args)]
-pub struct Chosen {
+pub struct ChosenComponent {
     /// Reflection or transmission alone. Where a format holds one of them and nothing is said, reflection is taken if
     /// there is any.
     #[arg(long, value_name = "KIND", value_parser = scatter_of)]
@@ -42,8 +42,8 @@ pub struct Chosen {
     pub side: Option<Side>,
 }
 
-impl From<Chosen> for specval::sample::Chosen {
-    fn from(typed: Chosen) -> Self {
+impl From<ChosenComponent> for specval::sample::Chosen {
+    fn from(typed: ChosenComponent) -> Self {
         Self {
             scatter: typed.scatter,
             side: typed.side,
@@ -56,7 +56,7 @@ impl From<Chosen> for specval::sample::Chosen {
 #[error("--scatter, --side: expected a goniometric file whose components they choose from, found {0}; leave them out")]
 pub struct NothingToChoose(pub &'static str);
 
-impl Chosen {
+impl ChosenComponent {
     /// Refuses a choice where there is none.
     pub fn refuse_for(&self, found: &'static str) -> Result<(), NothingToChoose> {
         match (self.scatter, self.side) {
@@ -101,7 +101,7 @@ fn factor(text: &str) -> Result<f64, String> {
     }
 }
 
-impl Reading {
+impl Inspection {
     /// Reads a goniometric file; of another file it says what that is.
     pub fn read(&self, path: &Path) -> Result<Goniometric, Failure> {
         let due = |kind| matches!(kind, FileKind::Goniometric(_) | FileKind::Sample);
@@ -132,9 +132,9 @@ pub struct Arguments {
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
-    chosen: Chosen,
+    chosen: ChosenComponent,
     #[command(flatten)]
-    reading: Reading,
+    reading: Inspection,
 }
 
 pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 
 use super::integra::scatter_of;
-use crate::formats::descriptor::{Descriptor, Holds, Reader, USUAL_SIZES, Writer};
+use crate::formats::descriptor::{Descriptor, FormatReader, FormatWriter, Holds, USUAL_SIZES};
 use crate::formats::error::{FormatError, remedy};
 use crate::formats::options::{AngleUnit, ReadOptions};
 use crate::formats::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
@@ -22,8 +22,8 @@ pub(super) const FORMAT: Descriptor = Descriptor {
     sizes: USUAL_SIZES,
     convention: None,
     detect: |beginning| beginning.line_of("VARS"),
-    read: Reader::Goniometric(|input| input.text(|text| read(text, input.options))),
-    write: Some(Writer {
+    read: FormatReader::Goniometric(|input| input.text(|text| read(text, input.options))),
+    write: Some(FormatWriter {
         holds: Holds::Scattering,
         errors: false,
         variant: None,

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::iter::zip;
 use std::ops::RangeInclusive;
 
-use crate::formats::descriptor::{Descriptor, Holds, Input, Reader, USUAL_SIZES, Writer};
+use crate::formats::descriptor::{Descriptor, FormatReader, FormatWriter, Holds, Input, USUAL_SIZES};
 use crate::formats::error::{FormatError, Location};
 use crate::formats::write::columns;
 use crate::goniometric::{
@@ -20,8 +20,8 @@ pub(super) const FORMAT: Descriptor = Descriptor {
     sizes: USUAL_SIZES,
     convention: None,
     detect: |beginning| beginning.first_line(|line| matches!(heading(line), Some(Heading::Plane | Heading::Sphere))),
-    read: Reader::Goniometric(read),
-    write: Some(Writer {
+    read: FormatReader::Goniometric(read),
+    write: Some(FormatWriter {
         holds: Holds::Scattering,
         errors: true,
         variant: None,

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use self::header::{BLOCK, ColourHeader, Header, header};
 
-use crate::formats::descriptor::{Beginning, Descriptor, Holds, Mark, Reader, USUAL_SIZES, Writer};
+use crate::formats::descriptor::{Beginning, Descriptor, FormatReader, FormatWriter, Holds, Mark, USUAL_SIZES};
 use crate::formats::error::{FormatError, remedy};
 use crate::formats::options::ReadOptions;
 use crate::formats::text::{NOT_NEGATIVE, Readings, Text, Token, Tokens, finite, quoted};
@@ -28,8 +28,8 @@ pub(super) const DIFFUSE: Descriptor = Descriptor {
     sizes: USUAL_SIZES,
     convention: None,
     detect: |beginning| told(beginning, TableKind::Diffuse),
-    read: Reader::Goniometric(|input| input.text(|text| read_diffuse(text, input.options))),
-    write: Some(Writer {
+    read: FormatReader::Goniometric(|input| input.text(|text| read_diffuse(text, input.options))),
+    write: Some(FormatWriter {
         holds: Holds::Scattering,
         errors: false,
         variant: None,
@@ -44,8 +44,8 @@ pub(super) const SPECULAR: Descriptor = Descriptor {
     sizes: USUAL_SIZES,
     convention: None,
     detect: |beginning| told(beginning, TableKind::Specular),
-    read: Reader::Goniometric(|input| input.text(|text| read_specular(text, input.options))),
-    write: Some(Writer {
+    read: FormatReader::Goniometric(|input| input.text(|text| read_specular(text, input.options))),
+    write: Some(FormatWriter {
         holds: Holds::Fractions,
         errors: false,
         variant: None,

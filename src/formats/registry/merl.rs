@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use crate::formats::byte_order::{is_implausible, swapped};
-use crate::formats::descriptor::{Beginning, Descriptor, Holds, Input, Mark, Reader, Writer};
+use crate::formats::descriptor::{Beginning, Descriptor, FormatReader, FormatWriter, Holds, Input, Mark};
 use crate::formats::error::{FormatError, remedy};
 use crate::formats::merl_table::{HEADER, NODES, PHI_D, SCALE, SIZE, directions, grid};
 use crate::formats::write::merl as write;
@@ -20,8 +20,8 @@ pub(super) const FORMAT: Descriptor = Descriptor {
     sizes: SIZE..=SIZE,
     convention: None,
     detect: told,
-    read: Reader::Goniometric(read),
-    write: Some(Writer {
+    read: FormatReader::Goniometric(read),
+    write: Some(FormatWriter {
         holds: Holds::Reflection,
         errors: false,
         variant: None,

@@ -14,7 +14,7 @@ mod utia;
 mod wif;
 mod zemax;
 
-use super::descriptor::{Beginning, Descriptor, Input, Mark, Reader, Writer};
+use super::descriptor::{Beginning, Descriptor, FormatReader, FormatWriter, Input, Mark};
 use super::error::FormatError;
 use super::options::Encoding;
 use super::text::quoted;
@@ -66,7 +66,7 @@ pub fn descriptor(format: Format) -> &'static Descriptor {
 ///
 /// # Errors
 /// A format that is read alone.
-pub fn writer(format: Format) -> Result<Writer, WriteError> {
+pub fn writer(format: Format) -> Result<FormatWriter, WriteError> {
     descriptor(format).write.ok_or_else(|| {
         let written: Vec<&str> = targets().map(|(name, ..)| name).collect();
         let written = any_of(&written);
@@ -145,7 +145,9 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<&'static Desc
 /// Reads the values of a file of a format.
 pub(super) fn read(known: &Descriptor, input: &Input) -> Result<Goniometric, FormatError> {
     match known.read {
-        Reader::Goniometric(read) => read(input),
-        Reader::Elsewhere { found, remedy } => Err(FormatError::file(input.path, "a goniometric file", found, remedy)),
+        FormatReader::Goniometric(read) => read(input),
+        FormatReader::Elsewhere { found, remedy } => {
+            Err(FormatError::file(input.path, "a goniometric file", found, remedy))
+        }
     }
 }

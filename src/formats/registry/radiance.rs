@@ -9,7 +9,7 @@ use roxmltree::{Document, Node as Element, ParsingOptions};
 
 use self::tree::tree;
 use self::xml::{AnySpace, Xml, child, words};
-use crate::formats::descriptor::{Beginning, Descriptor, Holds, Mark, Reader, USUAL_SIZES, Writer};
+use crate::formats::descriptor::{Beginning, Descriptor, FormatReader, FormatWriter, Holds, Mark, USUAL_SIZES};
 use crate::formats::error::{FormatError, Location, remedy};
 use crate::formats::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
 use crate::formats::write::radiance as write;
@@ -30,8 +30,8 @@ pub(super) const FORMAT: Descriptor = Descriptor {
          run towards it in WINDOW",
     ),
     detect: told,
-    read: Reader::Goniometric(|input| input.text(read)),
-    write: Some(Writer {
+    read: FormatReader::Goniometric(|input| input.text(read)),
+    write: Some(FormatWriter {
         holds: Holds::Sides,
         errors: false,
         variant: None,

@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 
 use self::lines::{Lines, ascending, list_index, word_of};
 use crate::formats::byte_order::{is_implausible, swapped};
-use crate::formats::descriptor::{Beginning, Descriptor, Holds, Input, Mark, Reader, USUAL_SIZES, Writer};
+use crate::formats::descriptor::{Beginning, Descriptor, FormatReader, FormatWriter, Holds, Input, Mark, USUAL_SIZES};
 use crate::formats::error::{FormatError, Location, remedy};
 use crate::formats::options::Encoding;
 use crate::formats::text::{FINITE, Readings, finite, quoted, remedy_for};
@@ -27,8 +27,8 @@ pub(super) const FORMAT: Descriptor = Descriptor {
     sizes: USUAL_SIZES,
     convention: None,
     detect: told,
-    read: Reader::Goniometric(read),
-    write: Some(Writer {
+    read: FormatReader::Goniometric(read),
+    write: Some(FormatWriter {
         holds: Holds::Kinds,
         errors: false,
         variant: Some(("ssdd-binary", Encoding::Binary)),

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use crate::formats::byte_order::{is_implausible, swapped};
-use crate::formats::descriptor::{Beginning, Descriptor, Input, Mark, Reader};
+use crate::formats::descriptor::{Beginning, Descriptor, FormatReader, Input, Mark};
 use crate::formats::error::{FormatError, remedy};
 use crate::goniometric::{
     Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side,
@@ -18,7 +18,7 @@ pub(super) const FORMAT: Descriptor = Descriptor {
     sizes: SIZE..=SIZE,
     convention: None,
     detect: told,
-    read: Reader::Goniometric(read),
+    read: FormatReader::Goniometric(read),
     write: None,
 };
 

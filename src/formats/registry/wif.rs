@@ -1,6 +1,6 @@
 //! WIF: weave drafts, which `weave` reads.
 
-use crate::formats::descriptor::{Descriptor, MIB, Reader};
+use crate::formats::descriptor::{Descriptor, FormatReader, MIB};
 use crate::goniometric::Format;
 
 pub(super) const FORMAT: Descriptor = Descriptor {
@@ -10,7 +10,7 @@ pub(super) const FORMAT: Descriptor = Descriptor {
     sizes: 1..=4 * MIB,
     convention: None,
     detect: |beginning| beginning.first_line(|line| line.starts_with('[')),
-    read: Reader::Elsewhere {
+    read: FormatReader::Elsewhere {
         found: "a weave draft (WIF)",
         remedy: "print it with `specval weave`, or name it as `weave` in `[cloth]` of a study",
     },

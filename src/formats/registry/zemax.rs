@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::formats::descriptor::{Descriptor, Reader, USUAL_SIZES};
+use crate::formats::descriptor::{Descriptor, FormatReader, USUAL_SIZES};
 use crate::formats::error::{FormatError, remedy};
 use crate::formats::text::{NOT_NEGATIVE, Readings, Text, Tokens};
 use crate::goniometric::{
@@ -17,7 +17,7 @@ pub(super) const ZEMAX: Descriptor = Descriptor {
     sizes: USUAL_SIZES,
     convention: None,
     detect: |beginning| beginning.word("angleofincidence"),
-    read: Reader::Goniometric(|input| input.text(read_zemax)),
+    read: FormatReader::Goniometric(|input| input.text(read_zemax)),
     write: None,
 };
 
@@ -28,7 +28,7 @@ pub(super) const LIGHT_TOOLS: Descriptor = Descriptor {
     sizes: USUAL_SIZES,
     convention: None,
     detect: |beginning| beginning.word("aoi"),
-    read: Reader::Goniometric(|input| input.text(read_lighttools)),
+    read: FormatReader::Goniometric(|input| input.text(read_lighttools)),
     write: None,
 };
 

@@ -1,7 +1,7 @@
 //! Arrays of files, whatever the type of their elements.
 
 use super::YarnLayout;
-use super::tables::{LengthTable, Table};
+use super::tables::{LengthTable, TraceTable};
 use crate::artefact::{ArrayInfo, ArtefactError, ArtefactKind, Element, ElementType, Reader, Writer};
 use crate::run::RunError;
 use crate::transport::BatchSums;
@@ -78,7 +78,7 @@ macro_rules! held {
 held!(LengthTally: amount, moment_mm);
 held!(BatchSums: sum, square; counts batches);
 held!(LengthSums: amount, square, moment_mm; counts batches);
-held!(Table: mean, se);
+held!(TraceTable: mean, se);
 held!(LengthTable: mean, se, moment_mm);
 
 impl<T> Held for Vec<T>
@@ -95,7 +95,7 @@ where
     }
 }
 
-impl Held for Option<Table> {
+impl Held for Option<TraceTable> {
     fn values(&self) -> Vec<Values<'_>> {
         self.as_ref().map(Held::values).unwrap_or_default()
     }

@@ -3,7 +3,7 @@
 
 use super::YarnLayout;
 use super::arrays::{Entry, Held, Values, read_into};
-use super::tables::{LengthTable, Table};
+use super::tables::{LengthTable, TraceTable};
 use crate::artefact::{ArrayInfo, ArtefactError, Reader};
 use crate::transport::{BatchSums, Column, Fraction, FractionList};
 use crate::yarn::{LengthSums, LengthTally};
@@ -210,7 +210,7 @@ pub type SumTables = Quantities<BatchSums, BatchSums, BatchSums, LengthSums>;
 
 /// Means and their standard errors. A change of absorption leaves no tables of the BSSRDF: path lengths of every cell
 /// would be needed for them.
-pub type MeanTables = Quantities<Table, Option<Table>, Option<Table>, LengthTable>;
+pub type MeanTables = Quantities<TraceTable, Option<TraceTable>, Option<TraceTable>, LengthTable>;
 
 impl<Beam: Held, Patch: Held, Largest: Held, ByLength: Held> Quantities<Beam, Patch, Largest, ByLength> {
     fn rows(&self) -> [(&'static Row, &dyn Held); 5] {

@@ -12,7 +12,7 @@ pub use layout::{MediumValues, YarnAxes, YarnLayout, YarnSettings};
 pub(super) use shard::ShardWriter;
 pub use shard::merge_shards;
 pub use state::{YarnBatch, YarnSums};
-pub use tables::{LengthTable, Table};
+pub use tables::{LengthTable, TraceTable};
 
 use super::{RunError, energy_rows};
 use crate::artefact::{ArtefactError, ArtefactKind, Reader};

@@ -3,13 +3,13 @@ use crate::yarn::LengthSums;
 
 /// Means over the batches and their standard errors.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
+pub struct TraceTable {
     pub mean: Vec<f64>,
     /// Single precision, as no more is known of an error.
     pub se: Vec<f32>,
 }
 
-impl From<BatchSums> for Table {
+impl From<BatchSums> for TraceTable {
     fn from(sums: BatchSums) -> Self {
         let se = (0..sums.sum.len()).map(|i| sums.estimate(i).se as f32).collect();
         let n = sums.batches as f64;
