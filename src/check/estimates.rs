@@ -49,7 +49,7 @@ pub fn standard_errors(context: &Context) -> Result<Gate, CheckError> {
     let jackknife = propagation.estimate(|model, _| model[0][0]);
     ways.push(("jackknife", [jackknife.value, jackknife.se]));
     let curves = SpectralCurves {
-        geometries: vec![NORMAL],
+        geometries: vec![Geometry::NORMAL],
         diffuse: numbers.clone().map(|x| vec![vec![x]]).collect(),
         gloss: vec![0.0],
     };
@@ -67,17 +67,12 @@ pub fn standard_errors(context: &Context) -> Result<Gate, CheckError> {
         }))
 }
 
-const NORMAL: Geometry = Geometry {
-    theta_i_deg: 0.0,
-    theta_v_deg: 0.0,
-};
-
 /// Three colours that differ in every channel, so that no other one takes the place of luminance unseen.
 pub fn normalisation(context: &Context) -> Result<Gate, CheckError> {
     const LUMINANCE: usize = 3;
     let (model, classical, measured) = ([0.9, 0.2, 0.1, 0.4], [0.5, 0.7, 0.3, 0.6], [0.3, 0.25, 0.2, 0.26]);
     let comparison = Comparison::of_one_each(
-        &[NORMAL],
+        &[Geometry::NORMAL],
         &[vec![model], vec![model]],
         &[classical],
         &[Some(Reading::independent(measured, [0.01; 4]))],

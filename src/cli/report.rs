@@ -4,7 +4,7 @@ use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, input
 use specval::formats::Scatter;
 use specval::output::{EarlierFiles, ReportFolder};
 use specval::report::{
-    Notice, Outline, ReportData, file_names, is_of_report, read_result, render, report_json, result_json, result_path,
+    Notice, Outline, ReportData, file_names, known_names, read_result, render, report_json, result_json, result_path,
     summary,
 };
 use specval::run::{self, FileKind, Request, Simulator, Stage, StateFile, Sweep, Watch};
@@ -169,7 +169,8 @@ fn again(result: &Path, arguments: &Arguments, options: &Options, terminal: &Ter
 }
 
 fn write(data: &ReportData, folder: &ReportFolder, terminal: &Terminal) -> Result<(), Failure> {
-    let EarlierFiles { removed, left } = folder.write(&render(data)?, is_of_report)?;
+    let known = known_names();
+    let EarlierFiles { removed, left } = folder.write(&render(data)?, |name| known.contains(name))?;
     for name in removed {
         terminal.notice(RunNotice::Removed {
             path: folder.path().join(name),

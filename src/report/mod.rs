@@ -23,7 +23,7 @@ pub use error::ReportError;
 pub use json::report_json;
 pub use ledger::{LedgerRange, ledger_notice, ledger_ranges, ledger_table};
 pub use notice::{Fallback, GrazingGain, LongPaths, Notice, RatioOf, TableRatio};
-pub use render::{file_names, is_of_report, render};
+pub use render::{file_names, known_names, render};
 pub use result::{
     AskedEffort, ConventionRatios, EffortNote, InputDigest, PathsPerBatch, Provenance, ReachedPrecision, ReadingCount,
     ReportData, SampleNote,

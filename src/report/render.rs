@@ -8,6 +8,7 @@ use super::result_file::{RESULT, result_json};
 use super::tables::{approximations_csv, curves_csv, energy_csv, locality_csv, table1_csv, table1_markdown};
 use crate::output::NamedFile;
 use rayon::prelude::*;
+use std::collections::HashSet;
 
 /// Names of the tables and documents of [`render`].
 const TABLES: [&str; 6] = [
@@ -31,15 +32,15 @@ pub fn file_names(outline: &Outline) -> Vec<String> {
         .collect()
 }
 
-/// Whether reports have files of this name.
-pub fn is_of_report(name: &str) -> bool {
+/// Every name that a file of a report may have.
+pub fn known_names() -> HashSet<String> {
     /// More than a sample's geometries are thinned to.
     const MANY: usize = 500;
     let every = Outline {
         incidences: MANY,
         approximations: true,
     };
-    file_names(&every).iter().any(|known| known == name)
+    file_names(&every).into_iter().collect()
 }
 
 /// Every file of the report, tables first.

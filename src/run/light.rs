@@ -1,6 +1,6 @@
 use super::{Plan, Progress, RunError};
 use crate::cloth::light::{Beam, Bounces, ClothBatch, Detector, Scene, Volumetric, YarnToYarn};
-use crate::yarn::{DirectTracer, YarnSampler};
+use crate::yarn::YarnSampler;
 use std::iter::zip;
 
 /// Light between the yarns of a study's cloth where they scatter by f*: up to `most` yarns after the first, `particles`
@@ -25,10 +25,7 @@ impl<'a> FactorCloth<'a> {
     /// # Errors
     /// None for a study that a plan was made of.
     pub fn new(plan: &'a Plan, particles: usize, progress: Progress) -> Result<Self, RunError> {
-        let tracers = plan
-            .different_yarns()
-            .map(|yarn| DirectTracer::new(yarn, plan.factor_grid, plan.direct_effort, None))
-            .collect::<Result<Vec<_>, _>>()?;
+        let tracers = plan.direct_tracers(plan.direct_effort)?;
         let batches = plan.direct_effort.batches;
         let mut scatter = Vec::with_capacity(batches);
         for batch in 0..batches {

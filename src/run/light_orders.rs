@@ -5,7 +5,7 @@ use super::{Plan, RunError, SpectralCurves};
 use crate::cloth::light::Integrator;
 use crate::compare::ColourRatios;
 use crate::rig::Geometry;
-use crate::yarn::{DirectTracer, Effort, YarnResponse};
+use crate::yarn::{Effort, YarnResponse};
 
 /// Share of the study's paths and particles, and their batches.
 const SHARE: u64 = 4;
@@ -24,10 +24,7 @@ pub fn light_orders(plan: &Plan, traced: usize) -> Result<[ColourRatios; 2], Run
         (paths / plan.direct_effort.batches as u64).max(batches as u64)
     };
     let effort = Effort::new(plan.study.seed, batches, scaled(study.paths_direct))?;
-    let tracers = plan
-        .different_yarns()
-        .map(|yarn| DirectTracer::new(yarn, plan.factor_grid, effort, None))
-        .collect::<Result<Vec<_>, _>>()?;
+    let tracers = plan.direct_tracers(effort)?;
     let particles = scaled(study.particles).div_ceil(batches as u64) as usize;
     let (camera, between) = (plan.direct(), bounces(plan, usize::MAX, particles));
     let beams = plan.beams(&[Geometry::NORMAL]);

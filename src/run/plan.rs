@@ -13,7 +13,7 @@ use crate::study::{
     CentreLineChoice, DistributionChoice, MediumSection, SpecularSection, Study, SurfaceChoice, TraceSection,
 };
 use crate::weave::WeaveDraft;
-use crate::yarn::{BssrdfGrid, Effort, IncidentGrid, SurfaceGrid, Yarn, YarnError, YarnResponseGrid};
+use crate::yarn::{BssrdfGrid, DirectTracer, Effort, IncidentGrid, SurfaceGrid, Yarn, YarnError, YarnResponseGrid};
 use std::path::Path;
 
 /// A study with every value checked, every file read and every name resolved: what a run takes.
@@ -151,6 +151,13 @@ impl Plan {
             surface: self.surface(surface_goes_on),
             seed: self.study.seed,
         }
+    }
+
+    /// Tracers of the f* of [`Self::different_yarns`].
+    pub(super) fn direct_tracers(&self, effort: Effort) -> Result<Vec<DirectTracer<'_>>, YarnError> {
+        self.different_yarns()
+            .map(|yarn| DirectTracer::new(yarn, self.factor_grid, effort, None))
+            .collect()
     }
 
     /// The study's camera on its cloth.
