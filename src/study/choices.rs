@@ -53,6 +53,14 @@ pub enum DistributionChoice {
     TrowbridgeReitz = "trowbridge-reitz",
 }
 
+/// Absorption of the yarns in a fit.
+pub enum DyeChoice {
+    /// Fitted at each channel or wavelength.
+    Free = "free",
+    /// As the study has it.
+    Fixed = "fixed",
+}
+
 /// Whose geometries a report measures.
 pub enum GeometryChoice {
     /// The sample's own, unless the section's angles differ from the built-in ones.

@@ -39,6 +39,8 @@ pub(super) enum ValueKind {
     ChoiceOrPath(&'static [&'static str]),
     /// Any text but the empty one.
     Text,
+    /// A list of tables, each a key that a fit varies.
+    FreeKeys,
 }
 
 /// Which ends belong to the range.
@@ -128,6 +130,11 @@ impl Field {
                 format!("one of {}; or a path with a dot or slash in it", quoted(choices))
             }
             ValueKind::Text => "a text in quotes, not empty".into(),
+            ValueKind::FreeKeys => {
+                "a list of tables { key, min, max, scale, prior_mean, prior_sd, also }, of which the first \
+                                    three are needed"
+                    .into()
+            }
         }
     }
 }

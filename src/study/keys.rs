@@ -6,10 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::Origin;
 use super::choices::{
-    BounceLimit, CentreLineChoice, DistributionChoice, EstimatorChoice, GeometryChoice, InterferenceChoice,
+    BounceLimit, CentreLineChoice, DistributionChoice, DyeChoice, EstimatorChoice, GeometryChoice, InterferenceChoice,
     MethodChoice, NumberOrTable, ShadeWith, SurfaceChoice,
 };
 use super::fields::{self, Field, Range, Section, ValueKind, above, below, between, closed};
+use super::free_key::FreeKey;
 use crate::cloth::Weave;
 use crate::colour::{Adaptation, Convention, Illuminant, Observer, RgbSpace};
 
@@ -53,6 +54,7 @@ pub struct Study {
     [colour] ColourSection;
     [measured] MeasuredSection;
     [sweep] SweepSection;
+    [fit] FitSection, unless "FitSection::is_default";
     [check] CheckSection;
 }
 }
@@ -262,6 +264,28 @@ pub struct SweepSection {
     particle_diameter_nm: Vec<f64> = vec![100.0, 150.0, 300.0], Numbers(DIAMETER, 0), "nm";
     /// As in [medium]; each takes the place of a table there.
     particle_index: Vec<f64> = vec![1.59, 1.61, 1.63], Numbers(INDEX, 0), "";
+}
+
+/// What `specval fit` varies to bring the model near to the sample.
+pub struct FitSection {
+    /// Keys that vary, with bounds; a scale "log" (else "linear"), a prior with its standard deviation, and further keys
+    /// that take the same value, in `also`. The lower bound of cloth.spacing_diameters rises to the least spacing that
+    /// the yarns allow.
+    free: Vec<FreeKey> = FreeKey::defaults(), FreeKeys, "";
+    /// Absorption: "free", a spectrum that is fitted and takes the place of the particles' and the host's absorption of
+    /// both yarns; or "fixed", as [medium] has it.
+    dye: DyeChoice = DyeChoice::Free, Choice(DyeChoice::NAMES), "";
+    /// Bounds of the free absorption.
+    dye_bounds_per_mm: Vec<f64> = vec![1e-3, 300.0], Numbers(above(0.0, 1e5), 2), "1/mm";
+    /// Of spectral samples: standard deviation of the second difference of the logarithm of the free absorption between
+    /// neighbouring wavelengths, where nothing else is known of it.
+    dye_roughness: f64 = 0.3, Number(above(0.0, 100.0)), "";
+    /// Particles for each incidence and each wavelength at which scattering is traced, of one evaluation of the model.
+    particles: u64 = 40_000, PATHS, "";
+    /// Azimuths of the cloth over which a batch averages where the sample is isotropic.
+    azimuths: u32 = 2, Integer(1, 64), "";
+    /// Largest degree of the polynomials of direction that expand the reflected radiance.
+    expansion_order: u32 = 6, Integer(2, 12), "";
 }
 
 /// What `specval check` must not miss. A stochastic gate that could miss a departure of its tolerance says that it

@@ -10,7 +10,9 @@ mod choices;
 mod commented;
 mod error;
 mod fields;
+mod free_key;
 mod keys;
+mod number_keys;
 mod old_keys;
 mod origin;
 mod parse;
@@ -21,14 +23,16 @@ mod validate;
 use crate::spectrum::Samples;
 
 pub use choices::{
-    BounceLimit, CentreLineChoice, DistributionChoice, EstimatorChoice, GeometryChoice, InterferenceChoice,
+    BounceLimit, CentreLineChoice, DistributionChoice, DyeChoice, EstimatorChoice, GeometryChoice, InterferenceChoice,
     MethodChoice, NumberOrTable, ShadeWith, SurfaceChoice,
 };
 pub use error::{FileLine, StudyError};
+pub use free_key::{FreeKey, KeyScale};
 pub use keys::{
-    CheckSection, ClothSection, ColourSection, MeasuredSection, MediumSection, RigSection, SpectrumSection,
+    CheckSection, ClothSection, ColourSection, FitSection, MeasuredSection, MediumSection, RigSection, SpectrumSection,
     SpecularSection, Study, SweepSection, TraceSection, WeftSection, YarnSection,
 };
+pub use number_keys::NumberKey;
 pub use old_keys::{OldKey, OldKeyNow};
 pub use origin::Origin;
 pub use parse::study_of_any_age;

@@ -171,6 +171,9 @@ fn check_value(source: &StudyText, section: &str, field: &Field, value: &Spanned
         ValueKind::IntegerOr(low, high, word) => is_whole(low, high) || found.as_str() == Some(word),
         ValueKind::Flag => found.is_bool(),
         ValueKind::Text => found.is_str(),
+        ValueKind::FreeKeys => found
+            .as_array()
+            .is_some_and(|list| list.iter().all(|table| table.get_ref().is_table())),
         ValueKind::Choice(choices) => found.as_str().is_some_and(|s| choices.contains(&s)),
         ValueKind::ChoiceOrPath(choices) => found.as_str().is_some_and(|s| choices.contains(&s) || is_path(s)),
     };
@@ -234,7 +237,7 @@ fn unknown(source: &StudyText, section: &str, key: &str, offset: usize) -> Study
 }
 
 /// The likeliest word meant, if one is near: within a third of its letters.
-fn closest<'w>(typed: &str, words: impl Iterator<Item = &'w str>) -> Option<&'w str> {
+pub(super) fn closest<'w>(typed: &str, words: impl Iterator<Item = &'w str>) -> Option<&'w str> {
     let typed = typed.to_lowercase();
     words
         .map(|w| (strsim::damerau_levenshtein(&typed, &w.to_lowercase()), w))

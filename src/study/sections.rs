@@ -1,7 +1,9 @@
 //! What sections of a study say beyond the values of their keys.
 
 use super::choices::{GeometryChoice, NumberOrTable};
-use super::keys::{ColourSection, MediumSection, RigSection, SpectrumSection, SpecularSection, WeftSection};
+use super::keys::{
+    ColourSection, FitSection, MediumSection, RigSection, SpectrumSection, SpecularSection, WeftSection,
+};
 use crate::colour::{ColourError, Convention, Illuminant, Observer};
 
 impl SpectrumSection {
@@ -37,6 +39,12 @@ impl WeftSection {
             dye: self.dye.as_ref().unwrap_or(&warp.dye).clone(),
             interference: self.interference.unwrap_or(warp.interference),
         }
+    }
+}
+
+impl FitSection {
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
     }
 }
 

@@ -1,9 +1,9 @@
 use toml::Value;
 
-use super::StudyError;
 use super::choices::{CentreLineChoice, SurfaceChoice};
 use super::fields::{self, Field, ValueKind};
 use super::keys::{self, RigSection, SECTIONS, SpectrumSection, Study, TraceSection};
+use super::{FreeKey, StudyError};
 use crate::number::shown;
 use crate::spectrum::Samples;
 use crate::text::is_path;
@@ -47,7 +47,31 @@ pub(super) fn study(study: &Study) -> Result<(), StudyError> {
             "leave the amplitude out, or set centre_line = \"sinusoid\"",
         ));
     }
+    fit(study)?;
     fibres(study)
+}
+
+fn fit(study: &Study) -> Result<(), StudyError> {
+    study.fit.free.iter().try_for_each(|free| free.check(study))?;
+    let mut keys: Vec<&str> = study.fit.free.iter().flat_map(FreeKey::keys).collect();
+    keys.sort_unstable();
+    if let Some(twice) = keys.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(value(
+            "fit.free",
+            "every key once",
+            format!("`{}` again", twice[0]),
+            "leave one of them out",
+        ));
+    }
+    match study.fit.dye_bounds_per_mm[..] {
+        [low, high] if low < high => Ok(()),
+        _ => Err(value(
+            "fit.dye_bounds_per_mm",
+            "two numbers in 1/mm, the lower one first",
+            format!("{:?}", study.fit.dye_bounds_per_mm),
+            "give the lowest and the highest absorption",
+        )),
+    }
 }
 
 /// Keys of fibres mean nothing on any other surface.
@@ -130,6 +154,8 @@ fn in_range(section: &str, field: &Field, found: &Value) -> Result<(), StudyErro
                 .and_then(|i| u64::try_from(i).ok())
                 .is_some_and(|i| (low..=high).contains(&i)),
         },
+        // Their values are checked with the keys that they name.
+        ValueKind::FreeKeys => true,
         ValueKind::Text => found.as_str().is_some_and(|s| !s.trim().is_empty()),
         // The types admit nothing else.
         ValueKind::Flag | ValueKind::Choice(_) => true,

@@ -91,6 +91,17 @@ impl LengthBins {
         }
     }
 
+    /// A length in mm, or the middle of its bin where it is none or lies outside it; of the open bin its edge.
+    pub fn length_within(&self, bin: usize, length_mm: f64) -> f64 {
+        let LengthRange { low_mm, width_mm } = self.range(bin);
+        let within = length_mm >= low_mm && width_mm.is_none_or(|width| length_mm <= low_mm + width);
+        if within {
+            length_mm
+        } else {
+            low_mm + 0.5 * width_mm.unwrap_or(0.0)
+        }
+    }
+
     /// Mean of exp(−μ L) over the lengths L of a bin with the mean `mean_mm`, for an absorption of μ in 1/mm.
     pub fn transmittance(&self, bin: usize, mean_mm: f64, mu_per_mm: f64) -> f64 {
         self.range(bin).tilt(mean_mm, mu_per_mm, 1.0).factor
