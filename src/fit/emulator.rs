@@ -27,6 +27,10 @@ pub struct Emulator {
     node_weights: Array2<f64>,
 }
 
+/// Factor by which less absorption than was traced may raise a bin: beyond it the bin holds no light worth the name,
+/// and the factor overflows.
+const MOST_GROWTH: f64 = 1e12;
+
 /// Which batches of the runs count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Batches {
@@ -66,10 +70,20 @@ impl Emulator {
         let inverse = SVD::new(design, true, true)
             .pseudo_inverse(1e-9)
             .map_err(|_| FitError::NoRuns)?;
-        let mean_mm = runs.iter().fold(Array2::zeros(first.tables.mean_mm.raw_dim()), |sum, run| {
-            sum + &run.tables.mean_mm
-        }) / runs.len() as f64;
-        let reference = first.tables.traced_mu_a_per_mm.clone();
+        let mean_mm = runs
+            .iter()
+            .fold(Array2::zeros(first.tables.mean_mm.raw_dim()), |sum, run| {
+                sum + &run.tables.mean_mm
+            })
+            / runs.len() as f64;
+        // Tables can be taken to more absorption without loss, to less not.
+        let reference: Vec<f64> = (0..first.tables.traced_mu_a_per_mm.len())
+            .map(|node| {
+                runs.iter()
+                    .map(|run| run.tables.traced_mu_a_per_mm[node])
+                    .fold(0.0, f64::max)
+            })
+            .collect();
         let of_run = |run: &ForwardRun| {
             let all = match batches {
                 Batches::All => run.tables.amounts.mean_axis(Axis(0)),
@@ -92,7 +106,10 @@ impl Emulator {
         };
         let by_run = |of: fn(&ForwardRun) -> &Vec<f64>| {
             Array2::from_shape_fn((count, of(first).len()), |(c, k)| {
-                runs.iter().enumerate().map(|(r, run)| inverse[(c, r)] * of(run)[k]).sum()
+                runs.iter()
+                    .enumerate()
+                    .map(|(r, run)| inverse[(c, r)] * of(run)[k])
+                    .sum()
             })
         };
         let nm = model.wavelengths_nm();
@@ -112,7 +129,9 @@ impl Emulator {
     }
 
     fn terms_at(&self, point: &[f64]) -> Vec<f64> {
-        terms(point, &self.centre, self.quadratic).take(self.amounts.len()).collect()
+        terms(point, &self.centre, self.quadratic)
+            .take(self.amounts.len())
+            .collect()
     }
 
     /// Values of the traced parameters at a point, in their units.
@@ -137,7 +156,7 @@ impl Emulator {
                 let weight = self.node_weights[[w, node]];
                 for bin in 0..bins {
                     let transmitted = self.bins.transmittance(bin, self.mean_mm[[node, bin]], change);
-                    factors[[bin, w]] = weight * transmitted;
+                    factors[[bin, w]] = weight * transmitted.min(MOST_GROWTH);
                 }
             }
             beta += &amounts.index_axis(Axis(0), node).dot(&factors);

@@ -1,5 +1,6 @@
 use crate::sample::SampleError;
 use crate::shading::ShadingError;
+use crate::yarn::YarnError;
 
 /// Why there is no fit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -66,6 +67,8 @@ pub enum FitError {
         "the model's number of values changed from {expected} to {found}; compare the same geometries in every call"
     )]
     Length { expected: usize, found: usize },
+    #[error("expected a traced point of the model, found none; allow more time")]
+    NoRuns,
     /// Of the model that is fitted, in its own words.
     #[error("{0}")]
     Model(String),
@@ -73,4 +76,6 @@ pub enum FitError {
     Sample(#[from] SampleError),
     #[error(transparent)]
     Shading(#[from] ShadingError),
+    #[error(transparent)]
+    Yarn(#[from] YarnError),
 }

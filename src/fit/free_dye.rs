@@ -85,7 +85,10 @@ mod tests {
     fn absorption_is_exponential_between_nodes_and_constant_beyond() {
         let dye = FreeDye::for_channels(&[Channel::Red, Channel::Green, Channel::Blue], [1e-3, 1e3], 0.3);
         let values = [1.0, 10.0, 0.1];
-        assert_eq!([dye.at(390.0, &values), dye.at(450.0, &values), dye.at(730.0, &values)], [1.0, 1.0, 0.1]);
+        assert_eq!(
+            [dye.at(390.0, &values), dye.at(450.0, &values), dye.at(730.0, &values)],
+            [1.0, 1.0, 0.1]
+        );
         assert!((dye.at(497.5, &values) - 10f64.sqrt()).abs() < 1e-12);
         assert!(dye.penalties(&values).is_empty());
         let spectral: Vec<Channel> = [400.0, 410.0, 420.0].map(Channel::Wavelength).to_vec();

@@ -77,6 +77,12 @@ impl FreeParameter {
         value.clamp(self.bounds[0], self.bounds[1])
     }
 
+    /// The value at a share of the range, on the parameter's scale: 0 is the lower bound, 1 the upper one.
+    pub fn at_share(&self, share: f64) -> f64 {
+        let [low, high] = self.scaled_bounds();
+        self.value(low + share * (high - low))
+    }
+
     /// Derivative of the value by its scaled form.
     pub(super) fn value_by_scaled(&self, value: f64) -> f64 {
         match self.scale {

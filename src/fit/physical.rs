@@ -1,8 +1,8 @@
-use super::emulator::{Batches, Emulator};
+use super::emulator::Emulator;
 use super::forward::ForwardModel;
 use super::{
-    Bound, Differences, FitError, FitReadings, FreeDye, FreeParameter, Indistinct, Residuals, Scale, Settings, Solution,
-    minimise,
+    Bound, Differences, FitError, FitReadings, FreeDye, FreeParameter, Indistinct, Residuals, Scale, Settings,
+    Solution, minimise,
 };
 use ndarray::{Array1, Array2};
 
@@ -164,8 +164,7 @@ impl Residuals for PhysicalProblem<'_> {
 /// (model − measured) / uncertainty at some geometries, channel by channel.
 pub fn misfits(readings: &FitReadings, beta: &Array2<f64>, kept: &[usize]) -> Vec<f64> {
     let at = |g: usize| {
-        (0..readings.channels.len())
-            .map(move |c| (beta[[g, c]] - readings.beta[[g, c]]) / readings.se[[g, c]])
+        (0..readings.channels.len()).map(move |c| (beta[[g, c]] - readings.beta[[g, c]]) / readings.se[[g, c]])
     };
     kept.iter().flat_map(|&g| at(g)).collect()
 }
@@ -231,7 +230,11 @@ impl PhysicalModel<'_> {
         let misfit = problem.misfits(&solution.parameters)?;
         let freedom = misfit.len() as f64 - parameters.len() as f64;
         let chi2: f64 = misfit.iter().map(|x| x * x).sum();
-        let scale = if freedom > 0.0 { (chi2 / freedom).sqrt().max(1.0) } else { 1.0 };
+        let scale = if freedom > 0.0 {
+            (chi2 / freedom).sqrt().max(1.0)
+        } else {
+            1.0
+        };
         let noise = self.monte_carlo(by_batch, kept, &solution.parameters, &assessment)?;
         let point = self.split(&solution.parameters).point;
         let values = emulator.values(point);
@@ -247,7 +250,11 @@ impl PhysicalModel<'_> {
                     let mut moved = point.to_vec();
                     moved[p] += step;
                     let slope = (emulator.values(&moved)[p] - values[p]) / step;
-                    fitted_of(traced, values[p], [readings, monte_carlo, both].map(|se| se.map(|se| se * slope.abs())))
+                    fitted_of(
+                        traced,
+                        values[p],
+                        [readings, monte_carlo, both].map(|se| se.map(|se| se * slope.abs())),
+                    )
                 }
                 None => fitted_of(&parameters[p], value, [readings, monte_carlo, both]),
             }
@@ -280,19 +287,29 @@ impl PhysicalModel<'_> {
         let Some(first) = readings.first().filter(|_| count > 1.0) else {
             return Ok(vec![0.0; parameters.len()]);
         };
-        let sum = readings.iter().fold(Array1::zeros(first.len()), |sum, batch| sum + batch);
-        let mean = sum / count;
+        let mut mean: Array1<f64> = Array1::zeros(first.len());
+        readings.iter().for_each(|batch| mean.scaled_add(1.0 / count, batch));
         let jacobian = assessment.jacobian.slice(ndarray::s![..mean.len(), ..]);
         let mut squares = vec![0.0; parameters.len()];
         for batch in &readings {
             let shift = assessment.covariance.dot(&jacobian.t().dot(&(batch - &mean)));
-            squares.iter_mut().zip(&shift).for_each(|(sum, shift)| *sum += shift * shift);
+            squares
+                .iter_mut()
+                .zip(&shift)
+                .for_each(|(sum, shift)| *sum += shift * shift);
         }
-        Ok(squares.iter().map(|sum| (sum / (count * (count - 1.0))).sqrt()).collect())
+        Ok(squares
+            .iter()
+            .map(|sum| (sum / (count * (count - 1.0))).sqrt())
+            .collect())
     }
 }
 
-fn fitted_of(parameter: &FreeParameter, value: f64, [readings, monte_carlo, both]: [Option<f64>; 3]) -> FittedParameter {
+fn fitted_of(
+    parameter: &FreeParameter,
+    value: f64,
+    [readings, monte_carlo, both]: [Option<f64>; 3],
+) -> FittedParameter {
     let [low, high] = parameter.bounds;
     let interval = both.map(|se| {
         let reach = TWO_SIDED_95 * se;

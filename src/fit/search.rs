@@ -113,9 +113,8 @@ impl PhysicalModel<'_> {
             let solution = self.fit(&emulator, kept, [&low, &high], start, 3, settings.seed)?;
             let point = self.split(&solution.parameters).point.to_vec();
             let edges = low.iter().zip(&high).map(|(low, high)| 0.05 * (high - low));
-            let inside = (point.iter().zip(low.iter().zip(&high)).zip(edges)).all(|((x, (low, high)), edge)| {
-                (x - low > edge || *low == 0.0) && (high - x > edge || *high == 1.0)
-            });
+            let inside = (point.iter().zip(low.iter().zip(&high)).zip(edges))
+                .all(|((x, (low, high)), edge)| (x - low > edge || *low == 0.0) && (high - x > edge || *high == 1.0));
             let batches = runs[0].tables.amounts.shape()[0];
             let by_batch = (0..batches)
                 .map(|batch| Emulator::new(self.forward, &runs, &centre, Batches::One(batch)))
@@ -153,7 +152,11 @@ impl PhysicalModel<'_> {
             let values = of_batches.iter().map(|batch| batch[at]);
             let mean = values.clone().sum::<f64>() / count;
             let squares: f64 = values.map(|value| (value - mean).powi(2)).sum();
-            if count > 1.0 { (squares / (count * (count - 1.0))).sqrt() } else { f64::NAN }
+            if count > 1.0 {
+                (squares / (count * (count - 1.0))).sqrt()
+            } else {
+                f64::NAN
+            }
         });
         let noise: Vec<f64> = (kept.iter())
             .flat_map(|&g| (0..self.readings.channels.len()).map(move |c| [g, c]))
@@ -162,8 +165,8 @@ impl PhysicalModel<'_> {
         Ok(PhysicalFit {
             report: self.report(emulator, by_batch, kept, &solution)?,
             values: emulator.values(self.split(&solution.parameters).point),
-            rms: rms(&misfits(self.readings, &beta, kept)),
-            noise: rms(&noise),
+            rms: rms(misfits(self.readings, &beta, kept)),
+            noise: rms(noise),
             beta,
             beta_se,
             solution,
@@ -196,7 +199,10 @@ impl Search<'_, '_> {
         let (low, high) = (vec![0.0; coordinates], vec![1.0; coordinates]);
         let (points, share) = match coordinates {
             0 => (vec![Vec::new()], 1.0),
-            _ => (self.latin_hypercube(&low, &high, SURVEY * coordinates + 3), SURVEY_SHARE),
+            _ => (
+                self.latin_hypercube(&low, &high, SURVEY * coordinates + 3),
+                SURVEY_SHARE,
+            ),
         };
         for point in points {
             if self.stopped {
@@ -241,9 +247,16 @@ impl Search<'_, '_> {
     fn members(&self, low: &[f64], high: &[f64]) -> Vec<usize> {
         let inside = |run: &ForwardRun| {
             let bounds = low.iter().zip(high);
-            run.share >= 1.0 && run.point.iter().zip(bounds).all(|(x, (low, high))| (*low..=*high).contains(x))
+            run.share >= 1.0
+                && run
+                    .point
+                    .iter()
+                    .zip(bounds)
+                    .all(|(x, (low, high))| (*low..=*high).contains(x))
         };
-        (0..self.pool.runs.len()).filter(|&k| inside(&self.pool.runs[k])).collect()
+        (0..self.pool.runs.len())
+            .filter(|&k| inside(&self.pool.runs[k]))
+            .collect()
     }
 
     fn trace(&mut self, point: &[f64], share: f64) -> Result<(), FitError> {
@@ -258,7 +271,9 @@ impl Search<'_, '_> {
         let run = self.model.forward.trace(point, &added, share)?;
         self.pool.runs.push(run);
         self.judge(self.pool.runs.len() - 1)?;
-        let rms = self.best.as_ref().map_or(f64::INFINITY, |best| rms(&best.residuals));
+        let readings = self.kept.len() * self.model.readings.channels.len();
+        let of_readings = |best: &Solution| rms(best.residuals.iter().take(readings).copied());
+        let rms = self.best.as_ref().map_or(f64::INFINITY, of_readings);
         let progress = SearchProgress {
             round: self.round,
             runs: self.pool.runs.len(),
@@ -288,7 +303,14 @@ impl Search<'_, '_> {
             start
         });
         let starts = if start.is_none() { 4 } else { 1 };
-        self.model.fit(&emulator, self.kept, [&point, &point], start, starts, self.settings.seed)
+        self.model.fit(
+            &emulator,
+            self.kept,
+            [&point, &point],
+            start,
+            starts,
+            self.settings.seed,
+        )
     }
 
     fn latin_hypercube(&self, low: &[f64], high: &[f64], count: usize) -> Vec<Vec<f64>> {
@@ -308,7 +330,9 @@ impl Search<'_, '_> {
 
 /// The region of a half width about a centre, within the whole range: shifted inwards where it would reach beyond.
 fn around(centre: &[f64], half: f64) -> (Vec<f64>, Vec<f64>) {
-    let low: Vec<f64> = (centre.iter()).map(|c| (c - half).min(1.0 - 2.0 * half).max(0.0)).collect();
+    let low: Vec<f64> = (centre.iter())
+        .map(|c| (c - half).min(1.0 - 2.0 * half).max(0.0))
+        .collect();
     let high = low.iter().map(|low| (low + 2.0 * half).min(1.0)).collect();
     (low, high)
 }

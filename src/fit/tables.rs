@@ -1,7 +1,7 @@
 use super::FitError;
 use crate::cloth::Cloth;
 use crate::cloth::light::{Beam, RadianceMoments, Scene, Volumetric, YarnSurface};
-use crate::rig::{Geometry, number_of, omega_in};
+use crate::rig::{Geometry, number_of, omega_in, omega_out};
 use crate::yarn::{LengthBins, Yarn};
 use ndarray::{Array2, Array3, Array4, Axis};
 use rayon::prelude::*;
@@ -74,6 +74,11 @@ impl BetaTables {
                 incidences.push(geometry.theta_i_deg);
             }
         }
+        let views_of = |incidence: usize| {
+            let theta_i_deg = incidences[incidence];
+            let lit = move |geometry: &&Geometry| geometry.theta_i_deg == theta_i_deg;
+            geometries.iter().filter(lit).map(|geometry| geometry.theta_v_deg)
+        };
         let azimuths = effort.azimuths.max(1);
         let particles = effort.particles.div_ceil(effort.batches * azimuths);
         let tasks: Vec<[usize; 4]> = (0..effort.batches)
@@ -100,31 +105,29 @@ impl BetaTables {
                 omega_in: omega_in(incidences[incidence], azimuth_deg + turn),
                 number: number_of(incidences[incidence]) * azimuths + azimuth,
             };
-            let moments = RadianceMoments::new(effort.order, bins.clone(), azimuth_deg + turn);
+            let turned = azimuth_deg + turn;
+            let views = views_of(incidence).map(|theta| omega_out(theta, turned)).collect();
+            let moments = RadianceMoments::new(effort.order, bins.clone(), turned, views);
             let caught = Volumetric::new(scene, particles)?.batch(&beam, &moments, batch).caught;
             Ok(caught.into_iter().flatten().collect())
         };
         let caught: Vec<Vec<f64>> = tasks.par_iter().map(trace).collect::<Result<_, _>>()?;
-        let moments = RadianceMoments::new(effort.order, bins.clone(), 0.0);
+        let moments = RadianceMoments::new(effort.order, bins.clone(), 0.0, Vec::new());
         let mut amounts = Array4::zeros((effort.batches, nodes.len(), geometries.len(), bins.bins()));
         let mut lengths: Array3<f64> = Array3::zeros((nodes.len(), bins.bins(), 2));
         for ([batch, node, incidence, _], caught) in tasks.iter().zip(&caught) {
-            for (g, geometry) in geometries.iter().enumerate() {
-                if geometry.theta_i_deg != incidences[*incidence] {
-                    continue;
-                }
+            let lit = |(_, geometry): &(usize, &Geometry)| geometry.theta_i_deg == incidences[*incidence];
+            for (view, (g, geometry)) in geometries.iter().enumerate().filter(lit).enumerate() {
                 let weights = moments.weights(geometry.theta_v_deg);
                 for bin in 0..bins.bins() {
                     let beta: f64 = (weights.iter().enumerate())
                         .map(|(k, weight)| weight * caught[moments.places(k, bin)[0]])
                         .sum();
-                    amounts[[*batch, *node, g, bin]] += beta / azimuths as f64;
-                }
-            }
-            // The polynomial of degree 0 is a constant: all reflected light and its length.
-            for bin in 0..bins.bins() {
-                for (sum, place) in moments.places(0, bin).into_iter().enumerate() {
-                    lengths[[*node, bin, sum]] += caught[place];
+                    let [connected, length] = moments.places_of_view(view, bin);
+                    amounts[[*batch, *node, g, bin]] += (beta + caught[connected]) / azimuths as f64;
+                    // Lengths are taken from the connected light, which is never negative.
+                    lengths[[*node, bin, 0]] += caught[connected];
+                    lengths[[*node, bin, 1]] += caught[length];
                 }
             }
         }

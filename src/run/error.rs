@@ -3,6 +3,7 @@ use crate::artefact::ArtefactError;
 use crate::cloth::ClothError;
 use crate::colour::ColourError;
 use crate::compare::CompareError;
+use crate::fit::FitError;
 use crate::optics::OpticsError;
 use crate::output::OutputError;
 use crate::report::ReportError;
@@ -71,6 +72,8 @@ pub enum RunError {
     Shading(#[from] ShadingError),
     #[error(transparent)]
     Rig(#[from] RigError),
+    #[error(transparent)]
+    Fit(#[from] FitError),
     #[error(transparent)]
     Colour(#[from] ColourError),
     /// Wavelengths of the study that carry no colour.

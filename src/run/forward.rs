@@ -58,7 +58,11 @@ impl StudyForward {
             })
             .collect();
         let spectral = !wavelengths.is_empty();
-        let grid = WavelengthGrid::new(if spectral { wavelengths } else { study.spectrum.wavelengths() })?;
+        let grid = WavelengthGrid::new(if spectral {
+            wavelengths
+        } else {
+            study.spectrum.wavelengths()
+        })?;
         let to_channels = match spectral {
             true => Array2::eye(grid.len()),
             false => {
@@ -230,7 +234,14 @@ impl StudyForward {
         let [warp, weft] = self.media(study, added);
         let radius_mm = study.yarn.radius_mm;
         let of = |section, radius_mm, medium: &MediumSection| {
-            yarn(study, section, radius_mm, medium, MediumSpectra::read(section, medium, grid)?, grid)
+            yarn(
+                study,
+                section,
+                radius_mm,
+                medium,
+                MediumSpectra::read(section, medium, grid)?,
+                grid,
+            )
         };
         Ok([
             of("medium", radius_mm, &warp)?,
@@ -251,7 +262,12 @@ impl StudyForward {
                     place: study.origin.place("fit.dye"),
                     key: "fit.dye".into(),
                     expected: "equal absorption of warp and weft where it is fixed".into(),
-                    found: format!("{} and {} 1/mm at {} nm", shown(mu_a), shown(of_weft), shown(nm.round())),
+                    found: format!(
+                        "{} and {} 1/mm at {} nm",
+                        shown(mu_a),
+                        shown(of_weft),
+                        shown(nm.round())
+                    ),
                     remedy: "set fit.dye = \"free\", or give both the same dye".into(),
                 }));
             }
@@ -331,7 +347,10 @@ impl ForwardModel for StudyForward {
         }
         let specular = Specular::new(super::plan::distribution(&of), of.roughness, of.index, of.weight)?;
         let at = |geometry: &Geometry| {
-            let (light, view) = (omega_in(geometry.theta_i_deg, 0.0), omega_out(geometry.theta_v_deg, 0.0));
+            let (light, view) = (
+                omega_in(geometry.theta_i_deg, 0.0),
+                omega_out(geometry.theta_v_deg, 0.0),
+            );
             specular.brdf(&light, &view).brightness_factor().0
         };
         Ok(self.geometries.iter().map(at).collect())

@@ -94,10 +94,7 @@ impl Plan {
             cloth_spec,
             backing,
             specular: Specular::new(
-                match specular.distribution {
-                    DistributionChoice::Beckmann => Distribution::Beckmann,
-                    DistributionChoice::TrowbridgeReitz => Distribution::TrowbridgeReitz,
-                },
+                distribution(specular),
                 specular.roughness,
                 specular.index,
                 specular.weight,
@@ -245,7 +242,7 @@ fn colour_files(convention: &Convention) -> Vec<InputDigest> {
 }
 
 /// The weave by its name, or the repeat of the draft, whose drawdown goes into the inputs' digests.
-fn weave(study: &Study, inputs: &mut Vec<InputDigest>) -> Result<Weave, RunError> {
+pub(super) fn weave(study: &Study, inputs: &mut Vec<InputDigest>) -> Result<Weave, RunError> {
     let name_or_path = &study.cloth.weave;
     if let Some(weave) = Weave::named(name_or_path) {
         return Ok(weave);
@@ -261,7 +258,11 @@ fn weave(study: &Study, inputs: &mut Vec<InputDigest>) -> Result<Weave, RunError
 }
 
 /// A word, or a file of reflectances from 0 to 1.
-fn backing(of: &str, grid: &WavelengthGrid, inputs: &mut Vec<InputDigest>) -> Result<Option<Samples>, RunError> {
+pub(super) fn backing(
+    of: &str,
+    grid: &WavelengthGrid,
+    inputs: &mut Vec<InputDigest>,
+) -> Result<Option<Samples>, RunError> {
     let even = |reflectance| Samples::new(of, grid, vec![reflectance; grid.len()]);
     match of {
         "none" => return Ok(None),
@@ -279,7 +280,15 @@ fn backing(of: &str, grid: &WavelengthGrid, inputs: &mut Vec<InputDigest>) -> Re
     Ok(Some(reflectance))
 }
 
-fn fibres(study: &Study) -> Result<Option<FibreGloss>, ShadingError> {
+/// Distribution of the slopes that shine.
+pub(super) fn distribution(specular: &SpecularSection) -> Distribution {
+    match specular.distribution {
+        DistributionChoice::Beckmann => Distribution::Beckmann,
+        DistributionChoice::TrowbridgeReitz => Distribution::TrowbridgeReitz,
+    }
+}
+
+pub(super) fn fibres(study: &Study) -> Result<Option<FibreGloss>, ShadingError> {
     let specular = &study.specular;
     if specular.surface != SurfaceChoice::Fibres {
         return Ok(None);
@@ -292,7 +301,7 @@ fn fibres(study: &Study) -> Result<Option<FibreGloss>, ShadingError> {
     .map(Some)
 }
 
-fn cloth_spec(study: &Study, weave: Weave) -> ClothSpec {
+pub(super) fn cloth_spec(study: &Study, weave: Weave) -> ClothSpec {
     let cloth = &study.cloth;
     let warp_radius_mm = study.yarn.radius_mm;
     let weft_radius_mm = study.weft.radius_mm.unwrap_or(warp_radius_mm);

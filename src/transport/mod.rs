@@ -19,7 +19,7 @@ mod weights;
 pub use interior::{Coefficients, Interior};
 pub(crate) use ledger::fractions;
 pub use ledger::{Column, Fraction, FractionList, Ledger, LedgerOf};
-pub use path::{ENTRY_COORDINATES, Entry, Exit};
+pub use path::{Collision, ENTRY_COORDINATES, Entry, Exit};
 pub use roulette::Roulette;
 pub use shape::{Cylinder, Shape, Slab};
 pub use statistics::{BatchSums, Estimate};

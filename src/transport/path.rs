@@ -14,6 +14,20 @@ pub struct Entry {
     pub omega_in: Vec3,
 }
 
+/// A scattering event inside the body, before the path takes its new direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Collision {
+    /// Index of the path among the paths of the trace.
+    pub path: usize,
+    pub position: Vec3,
+    /// Unit direction of flight before the event.
+    pub direction: Vec3,
+    /// Flux of the path that is scattered, as a fraction of its incident flux.
+    pub weight: f64,
+    /// Length of the path inside, mm.
+    pub length_mm: f64,
+}
+
 /// Part of a path's flux that leaves the body.
 #[derive(Clone, Copy, Debug)]
 pub struct Exit<'w> {
@@ -33,4 +47,6 @@ pub struct Exit<'w> {
     pub scattered: bool,
     /// Length of the path inside, mm.
     pub length_mm: f64,
+    /// Where the light was scattered last, if it came from there without a reflection.
+    pub scattered_at: Option<Vec3>,
 }

@@ -126,6 +126,11 @@ impl<'a> Weights<'a> for Plain<'a> {
         lanes_where(|lane| self.carried[lane] > 0.0)
     }
 
+    #[inline(always)]
+    fn flux(&self, lane: usize) -> f64 {
+        self.carried[lane]
+    }
+
     fn ledgers(&self) -> Vec<Ledger> {
         let sum = |fraction| match fraction {
             Fraction::Reflected => self.reflected.iter().sum(),

@@ -205,6 +205,12 @@ impl<'a> Weights<'a> for Spectral<'a> {
         alive
     }
 
+    /// At the last evaluation: between two the flux is not known.
+    #[inline(always)]
+    fn flux(&self, lane: usize) -> f64 {
+        f64::from(self.carried[lane * self.groups][0]) * self.left[lane]
+    }
+
     fn ledgers(&self) -> Vec<Ledger> {
         let sums = |fraction| match fraction {
             Fraction::Reflected => self.reflected.as_flattened(),

@@ -1,7 +1,7 @@
 use super::entrance::Entrance;
 use super::flights::{Flights, Lanes3, LanesOf, Mask, Step, refract};
 use super::lane_math::LANES;
-use super::path::{ENTRY_COORDINATES, Entry, Exit};
+use super::path::{Collision, ENTRY_COORDINATES, Entry, Exit};
 use super::plain::Plain;
 use super::roulette::Roulette;
 use super::spectral::Spectral;
@@ -65,8 +65,30 @@ impl<S: Shape> Walk<'_, S> {
                 incident: None,
                 entry: &mut entry,
                 sink: &mut sink,
+                collision: None,
             },
         )
+    }
+
+    /// Traces one path for each value of `incident`, its flux, at a single wavelength, and passes every scattering event
+    /// to `collision` besides: estimators that connect events to views take their light from there. Otherwise as
+    /// [`Self::trace_incident`].
+    pub fn trace_collisions(
+        &self,
+        stream: Xoshiro256PlusPlus,
+        incident: &[f32],
+        entry: impl FnMut(&[f64; ENTRY_COORDINATES]) -> Entry,
+        sink: impl FnMut(&Exit<'_>),
+        collision: impl FnMut(&Collision),
+    ) -> Traced {
+        let (mut entry, mut sink, mut collision) = (entry, sink, collision);
+        let ends = Ends {
+            incident: Some(incident),
+            entry: &mut entry,
+            sink: &mut sink,
+            collision: Some(&mut collision),
+        };
+        self.dispatch(stream, incident.len() / self.interior.wavelengths(), ends)
     }
 
     /// Traces one path for each row of `incident`, which holds the path's incident flux at each wavelength of the
@@ -87,6 +109,7 @@ impl<S: Shape> Walk<'_, S> {
                 incident: Some(incident),
                 entry: &mut entry,
                 sink: &mut sink,
+                collision: None,
             },
         )
     }
@@ -140,6 +163,7 @@ struct Ends<'a> {
     incident: Option<&'a [f32]>,
     entry: &'a mut dyn FnMut(&[f64; ENTRY_COORDINATES]) -> Entry,
     sink: &'a mut dyn FnMut(&Exit<'_>),
+    collision: Option<&'a mut dyn FnMut(&Collision)>,
 }
 
 /// State of the paths being traced.
@@ -255,6 +279,7 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
                 weights: self.weights.crossing(),
                 scattered: false,
                 length_mm: of.chord_mm[place],
+                scattered_at: None,
                 entry: of.entries[place].position,
                 omega_in: of.entries[place].omega_in,
             });
@@ -289,8 +314,12 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
                 step.cos_t[lane],
                 interior.index(),
             );
+            // Internal reflections since the event; this exit counts as one.
+            let straight = flights.scattered[lane] == 1 && flights.reflections[lane] == 1;
+            let inside = vector(&flights.direction, lane) * step.length[lane];
             sink(&Exit {
                 path: numbers[lane],
+                scattered_at: straight.then(|| vector(&flights.position, lane) - inside),
                 position: vector(&flights.position, lane),
                 normal,
                 direction: outside.into(),
@@ -302,6 +331,17 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
             });
         };
         self.flights.alive = self.weights.meet(interior, roulette, flights, step, tell);
+        if let Some(collision) = &mut self.ends.collision {
+            for lane in LanesOf(step.scattering & self.flights.alive) {
+                collision(&Collision {
+                    path: self.numbers[lane],
+                    position: vector(&self.flights.position, lane),
+                    direction: vector(&self.flights.direction, lane),
+                    weight: self.weights.flux(lane),
+                    length_mm: self.flights.length[lane],
+                });
+            }
+        }
     }
 }
 
@@ -353,6 +393,7 @@ mod tests {
             incident: None,
             entry: &mut entry,
             sink: &mut sink,
+            collision: None,
         };
         let traced = trace(&walk, Stream::open(1, Purpose::Validation, 0, 0, 0), ends);
         let fractions = traced.ledgers.iter().flat_map(Ledger::amounts);

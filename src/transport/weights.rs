@@ -30,6 +30,9 @@ pub(super) trait Weights<'a> {
         tell: impl FnMut(usize, &[f64]),
     ) -> Mask;
 
+    /// Present flux of a lane's path at the first wavelength, as a fraction of its incident flux.
+    fn flux(&self, lane: usize) -> f64;
+
     /// Ledger sums over all paths, one for each wavelength.
     fn ledgers(&self) -> Vec<Ledger>;
 }

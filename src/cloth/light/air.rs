@@ -28,6 +28,9 @@ pub(super) struct History {
     pub spread: Spread,
     /// Path length inside yarns so far, mm, where paths go through media; 0 otherwise.
     pub length_mm: f64,
+    /// Whether its last scattering event was connected to the views that the light may reach: the detector then leaves
+    /// it out.
+    pub connected: bool,
 }
 
 /// The last event that gave light a direction with a density (not a delta).
@@ -48,6 +51,7 @@ impl History {
         yarns: 0,
         spread: Spread::Never,
         length_mm: 0.0,
+        connected: false,
     };
 
     /// History after passing one more yarn without scattering, deflected only by its surfaces.
@@ -59,6 +63,7 @@ impl History {
         Self {
             yarns: self.yarns + 1,
             spread,
+            connected: false,
             ..self
         }
     }
@@ -68,6 +73,7 @@ impl History {
         Self {
             yarns: self.yarns + 1,
             spread,
+            connected: false,
             ..self
         }
     }
@@ -201,6 +207,11 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         std::mem::take(&mut self.landed)
     }
 
+    /// Views of the detector, to which scattering events are connected.
+    pub fn views(&self) -> &'a [Vec3] {
+        self.detector.views()
+    }
+
     pub fn is_empty(&self) -> bool {
         self.queues.iter().all(|queue| queue.arrivals.is_empty()) && self.landed.arrivals.is_empty()
     }
@@ -286,6 +297,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         let diffuse = Vec3::new(sin * around.cos(), sin * around.sin(), up * (1.0 - sin2).sqrt());
         let history = History {
             spread: Spread::Scattered,
+            connected: false,
             ..landing.history
         };
         self.launch(landing.position, diffuse, weights, history);
@@ -307,7 +319,8 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
         for (sums, weight) in self.sums.iter_mut().zip(weights) {
             sums[side] += counted * weight;
         }
-        if self.catching == Caught::TurnedAfterFibres && history.spread != Spread::ByFibresBefore {
+        let left_out = self.catching == Caught::TurnedAfterFibres && history.spread != Spread::ByFibresBefore;
+        if left_out || history.connected {
             return;
         }
         let caught = &mut self.caught;
@@ -317,6 +330,18 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
                 .zip(weights)
                 .for_each(|(sum, weight)| *sum += share * weight);
         });
+    }
+
+    /// A uniform random number in [0, 1).
+    pub fn random(&mut self) -> f64 {
+        self.rng.random()
+    }
+
+    /// Scores light of one wavelength that is connected to a view of the detector: flux per steradian, 1/sr.
+    pub fn see(&mut self, view: usize, length_mm: f64, per_steradian: f64) {
+        let caught = &mut self.caught;
+        self.detector
+            .see(view, length_mm, |bin, factor| caught[bin][0] += factor * per_steradian);
     }
 
     /// Adds light that is not traced further to a fraction of the ledger, at every wavelength.

@@ -9,6 +9,16 @@ pub trait Detector: Sync {
     /// Calls `found` for every bin that scores light leaving along the unit vector `direction`, with the factor by which
     /// it scores. `length_mm` is the path length inside yarns of light traced through media, and 0 of other light.
     fn find(&self, direction: &Vec3, length_mm: f64, found: impl FnMut(usize, f64));
+
+    /// Unit vectors towards the views to which the volumetric method connects scattering events; light that was so
+    /// connected is left out of [`Self::find`]. None by default.
+    fn views(&self) -> &[Vec3] {
+        &[]
+    }
+
+    /// Calls `found` for every bin that scores light connected to view `view`, with the factor of the light per
+    /// steradian.
+    fn see(&self, _view: usize, _length_mm: f64, _found: impl FnMut(usize, f64)) {}
 }
 
 /// A cone about each view of a rig, like the aperture of a goniophotometer.

@@ -18,6 +18,7 @@ pub struct RadianceMoments {
     bins: LengthBins,
     /// Components x, y of the unit vector in the cloth's plane towards the specular side.
     forward: [f64; 2],
+    views: Vec<Vec3>,
 }
 
 /// Polynomial R_n^m(r) cos mφ, normalised so that the integral of its square over the unit disk is 1.
@@ -56,8 +57,9 @@ impl RadianceMoments {
     pub const ORDER_AT_MOST: usize = 12;
 
     /// `order`: largest degree n of the polynomials, at most [`Self::ORDER_AT_MOST`], beyond which it is cut.
-    /// `azimuth_deg`: of the plane of incidence from the warp.
-    pub fn new(order: usize, bins: LengthBins, azimuth_deg: f64) -> Self {
+    /// `azimuth_deg`: of the plane of incidence from the warp. `views`: unit vectors towards views in that plane, to
+    /// which scattering events are connected; the polynomials then hold the rest of the light alone.
+    pub fn new(order: usize, bins: LengthBins, azimuth_deg: f64, views: Vec<Vec3>) -> Self {
         let order = order.min(Self::ORDER_AT_MOST) as u32;
         let of_degree = |n: u32| {
             (0..=n)
@@ -68,6 +70,7 @@ impl RadianceMoments {
         Self {
             polynomials: (0..=order).flat_map(of_degree).collect(),
             bins,
+            views,
             forward: [cos, sin],
         }
     }
@@ -104,11 +107,16 @@ impl RadianceMoments {
         let first = 2 * (k * self.bins.bins() + length_bin);
         [first, first + 1]
     }
+
+    /// Index of the bin of light connected to a view at a length bin, and of its moment in path length; in units of β.
+    pub fn places_of_view(&self, view: usize, length_bin: usize) -> [usize; 2] {
+        self.places(self.polynomials() + view, length_bin)
+    }
 }
 
 impl Detector for RadianceMoments {
     fn bins(&self) -> usize {
-        2 * self.polynomials() * self.bins.bins()
+        2 * (self.polynomials() + self.views.len()) * self.bins.bins()
     }
 
     fn find(&self, direction: &Vec3, length_mm: f64, mut found: impl FnMut(usize, f64)) {
@@ -126,5 +134,16 @@ impl Detector for RadianceMoments {
             found(amount, value);
             found(moment, value * length_mm);
         });
+    }
+
+    fn views(&self) -> &[Vec3] {
+        &self.views
+    }
+
+    fn see(&self, view: usize, length_mm: f64, mut found: impl FnMut(usize, f64)) {
+        let to_beta = PI / self.views[view].z;
+        let [amount, moment] = self.places_of_view(view, self.bins.bin(length_mm));
+        found(amount, to_beta);
+        found(moment, to_beta * length_mm);
     }
 }

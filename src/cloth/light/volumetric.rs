@@ -1,10 +1,11 @@
 use super::air::{Air, Caught, History, Queue, Survival};
+use super::next_event::NextEvent;
 use super::{Beam, ClothBatch, ClothFraction, Detector, Integrator, LitBatch, LitViews, Scene, YarnSurface};
 use crate::cloth::{Cloth, System};
 use crate::fault::{self, Fault};
 use crate::geometry::Vec3;
 use crate::optics::fresnel;
-use crate::transport::{Entry, Fraction, Interior, Ledger, Purpose, Shape, Stream, Walk};
+use crate::transport::{ENTRY_COORDINATES, Entry, Exit, Fraction, Interior, Ledger, Purpose, Shape, Stream, Walk};
 use crate::yarn::{Estimator, Sharing, YarnError, YarnResponse};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
@@ -112,7 +113,7 @@ impl<'a> Volumetric<'a> {
         while !air.borrow().is_empty() {
             for (system, sharing) in [(System::Warp, warp), (System::Weft, weft)] {
                 let waiting = air.borrow_mut().take(system);
-                self.through(system, &sharing.interior, waiting, &air, next());
+                self.through(system, &sharing.interior, first, waiting, &air, next());
             }
             let mut landed = air.borrow_mut().take_landed();
             let rows = landed.weights.chunks_exact_mut(wavelengths);
@@ -128,6 +129,7 @@ impl<'a> Volumetric<'a> {
         &self,
         system: System,
         interior: &Interior<'_>,
+        first: usize,
         waiting: Queue,
         air: &RefCell<Air<'_, D, Xoshiro256PlusPlus>>,
         stream: Xoshiro256PlusPlus,
@@ -145,37 +147,52 @@ impl<'a> Volumetric<'a> {
         // Discarded reflections are already in the ledger of the trace.
         let goes_on = self.scene.surface != YarnSurface::Lost;
         let mut reflected = vec![0.0; wavelengths];
-        let traced = walk.trace_incident(
-            stream,
-            &waiting.weights,
-            |_| {
-                let Some((arrival, weights)) = coming.next() else {
-                    return NOWHERE;
-                };
-                let (normal, omega_in) = (arrival.hit.frame.normal, arrival.omega_in);
-                if goes_on {
-                    let reflectance = fresnel::reflectance(arrival.cos_in(), interior.index());
-                    for (reflected, weight) in reflected.iter_mut().zip(weights) {
-                        *reflected = reflectance * f64::from(*weight);
-                    }
-                    air.borrow_mut().reflect(&self.scene.surface, arrival, &reflected);
+        // Next-event estimation carries one wavelength.
+        let views = match wavelengths {
+            1 => air.borrow().views(),
+            _ => &[],
+        };
+        let connections = NextEvent {
+            cloth: self.scene.cloth,
+            system,
+            medium: &self.scene.yarns[system.index()].medium,
+            wavelength: first,
+            views,
+        };
+        let before = |path: usize| waiting.arrivals[path].history.length_mm;
+        let enter = |_: &[f64; ENTRY_COORDINATES]| {
+            let Some((arrival, weights)) = coming.next() else {
+                return NOWHERE;
+            };
+            let (normal, omega_in) = (arrival.hit.frame.normal, arrival.omega_in);
+            if goes_on {
+                let reflectance = fresnel::reflectance(arrival.cos_in(), interior.index());
+                for (reflected, weight) in reflected.iter_mut().zip(weights) {
+                    *reflected = reflectance * f64::from(*weight);
                 }
-                Entry {
-                    position: arrival.hit.position,
-                    normal,
-                    omega_in,
-                }
-            },
-            |exit| {
-                let before = waiting.arrivals[exit.path].history;
-                let history = History {
-                    length_mm: before.length_mm + exit.length_mm,
-                    ..History::NONE
-                };
-                air.borrow_mut()
-                    .launch(exit.position, exit.direction, exit.weights, history)
-            },
-        );
+                air.borrow_mut().reflect(&self.scene.surface, arrival, &reflected);
+            }
+            Entry {
+                position: arrival.hit.position,
+                normal,
+                omega_in,
+            }
+        };
+        let leave = |exit: &Exit<'_>| {
+            let history = History {
+                length_mm: before(exit.path) + exit.length_mm,
+                connected: connections.cover(exit),
+                ..History::NONE
+            };
+            air.borrow_mut()
+                .launch(exit.position, exit.direction, exit.weights, history);
+        };
+        let traced = match views {
+            [] => walk.trace_incident(stream, &waiting.weights, enter, leave),
+            _ => walk.trace_collisions(stream, &waiting.weights, enter, leave, |collision| {
+                connections.connect(collision, before(collision.path), &mut air.borrow_mut());
+            }),
+        };
         let ledgers = traced.ledgers.iter();
         let mut air = air.borrow_mut();
         air.keep(
