@@ -13,7 +13,7 @@ const VIEWS_AN_EVENT: usize = 4;
 /// inside contribute little.
 const DEPTH_SHARE: f64 = 0.5;
 /// Distance, in units of the length inside, within which two ways leave at the same point.
-const SAME: f64 = 1e-6;
+const SAME: f64 = 1e-4;
 
 /// Next-event estimation inside yarns: connects scattering events to views through the yarn's smooth surface, at one
 /// wavelength. Each event adds its light to the views, where a cone of 5° would catch one path of about 130.
@@ -53,8 +53,9 @@ impl NextEvent<'_> {
     pub fn connect<D: Detector, R: Rng>(&self, event: &Collision, length_mm: f64, air: &mut Air<'_, D, R>) {
         let w = self.wavelength;
         let extinction = self.medium.mu_s_per_mm()[w] + self.medium.mu_a_per_mm()[w];
-        let (on_surface, _) = self.cloth.surface(self.system, event.position.into());
-        let depth_mm = (Vec3::from(on_surface) - event.position).norm();
+        let (_, normal) = self.cloth.surface(self.system, event.position.into());
+        // Along the gradient: no shorter than the depth, and finite deep inside, where the gradient vanishes.
+        let depth_mm = (self.cloth).inside_distance(self.system, event.position.into(), normal, f64::INFINITY);
         let chance = (-DEPTH_SHARE * extinction * depth_mm).exp();
         // Written so that NaN, on the axis of a yarn, goes on with certainty.
         if air.random() >= chance {

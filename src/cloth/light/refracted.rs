@@ -20,7 +20,7 @@ pub(super) struct Refracted {
 
 /// Newton steps after which the search gives up, and distance in units of the length inside at which it has converged.
 const MOST_STEPS: usize = 12;
-const CONVERGED: f64 = 1e-9;
+const CONVERGED: f64 = 1e-7;
 /// Step, as a share of the distance to the surface, over which the curvature of the surface is measured.
 const CURVATURE_STEP: f64 = 1e-4;
 /// Largest ratio of solid angles accepted: near a caustic it diverges, and with it the variance.
@@ -40,13 +40,12 @@ impl Refracted {
             (Vec3::from(on), Vec3::from(normal))
         };
         // The way straight out, refracted at the plane there, is the first guess.
-        let (_, normal) = surface(from);
-        let outward = Side::at(normal, towards, index)?.inside;
+        let outward = Side::at(surface(from).1, towards, index)?.inside;
         let reach = cloth.inside_distance(system, from.into(), outward.into(), f64::INFINITY);
         if !reach.is_finite() {
             return None;
         }
-        let mut position = surface(from + outward * reach).0;
+        let mut position = from + outward * reach;
         for _ in 0..MOST_STEPS {
             let (on, normal) = surface(position);
             position = on;
