@@ -18,7 +18,7 @@ pub use assessment::{Assessment, Bound, Indistinct, assess};
 pub use candidate::{Candidate, Fitted, FittedParameter};
 pub use colour_difference::{ColourDifference, colour_differences};
 pub use error::FitError;
-pub use least_squares::{Progress, Settings, Solution, StartOutcome, minimise};
+pub use least_squares::{Progress, Settings, Solution, StartOutcome, Watch, minimise};
 pub use left_out::{LeftOut, Predictions, left_out};
 pub use notice::FitNotice;
 pub use parameter::{FreeParameter, Prior, Scale};

@@ -41,8 +41,8 @@ pub struct MisfitRatio {
 /// incidence keeps its number of views.
 ///
 /// The interval is ln ratio ± t s. Few blocks make the bootstrap's standard error too small: it is divided by
-/// √(1 − l/n), the share of the variance that circular blocks of l views keep, and t is Student's for as many degrees of
-/// freedom as there are blocks beyond one an incidence. The fits themselves are held fixed.
+/// √(1 − l/n), the share of the variance that circular blocks of l views keep, and t is Student's for as many degrees
+/// of freedom as there are blocks beyond one an incidence. The fits themselves are held fixed.
 pub fn misfit_ratio(readings: &FitReadings, physical: Modelled, classical: Modelled, seed: u64) -> MisfitRatio {
     let curves = curves(readings);
     let both = [physical, classical];

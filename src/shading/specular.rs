@@ -110,8 +110,8 @@ impl Specular {
     }
 }
 
-/// Cosines at the facet that mirrors the light to the viewer: of light, viewer and facet normal from the cloth's normal,
-/// and of the angle between either direction and the facet's normal.
+/// Cosines at the facet that mirrors the light to the viewer: of light, viewer and facet normal from the cloth's
+/// normal, and of the angle between either direction and the facet's normal.
 pub(super) struct Facet {
     pub(super) n_l: f64,
     pub(super) n_v: f64,

@@ -529,8 +529,8 @@ fn ciede2000_of_the_published_pairs() {
     }
 }
 
-/// Pairs of BYK-Gardner (brilliant red, brilliant yellow) and of the two calculators of B. Lindbloom and of colour-science
-/// 0.4, each to the digits that they print.
+/// Pairs of BYK-Gardner (brilliant red, brilliant yellow) and of the two calculators of B. Lindbloom and of
+/// colour-science, each to the digits that they print.
 #[test]
 fn cmc_colour_differences_are_those_of_other_programs() {
     let pairs = [

@@ -20,9 +20,9 @@ pub(super) static MODEL: ClassicalModel = ClassicalModel {
     },
 };
 
-/// Lambert under a gloss of facets with the slopes of Trowbridge and Reitz ("GGX") and Smith's masking and shadowing, as
-/// B. Walter, S. R. Marschner, H. Li, K. E. Torrance write it (Eurographics Symposium on Rendering 2007, 195; eqs. 20,
-/// 33 and 34):
+/// Lambert under a gloss of facets with the slopes of Trowbridge and Reitz ("GGX") and Smith's masking and shadowing,
+/// as B. Walter, S. R. Marschner, H. Li, K. E. Torrance write it (Eurographics Symposium on Rendering 2007, 195; eqs.
+/// 20, 33 and 34):
 ///
 /// f = a/π + w F D G₁(l) G₁(v) / (4 (n·l) (n·v)), G₁(ω) = 2 / (1 + √(1 + m² tan²θ)),
 ///
