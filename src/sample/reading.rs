@@ -77,6 +77,7 @@ impl Sample {
                 ];
                 (channels(row.beta[0], row.beta[1], row.beta[2]), weights)
             }
+            ReadingAxis::Luminance => ([row.beta[0]; 4], vec![[1.0; 4]]),
             ReadingAxis::Wavelengths(grid) => {
                 let system = ColourSystem::new(grid, convention.clone())?;
                 system.require()?;
@@ -125,7 +126,7 @@ impl Sample {
                 let system = ColourSystem::new(grid, convention.clone())?;
                 Ok(system.doubt().map(str::to_owned))
             }
-            ReadingAxis::Rgb | ReadingAxis::Xyz => Ok(None),
+            ReadingAxis::Rgb | ReadingAxis::Xyz | ReadingAxis::Luminance => Ok(None),
         }
     }
 
