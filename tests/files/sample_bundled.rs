@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use specval::colour::Convention;
+use specval::fit::{Channel, FitReadings};
 use specval::goniometric::{Scatter, Side};
 use specval::sample::{Chosen, RawReading, Sample, SampleError, SampleKind, SampleNotice};
 
@@ -181,4 +182,13 @@ fn a_folder_names_its_file_of_readings() {
     assert!(Sample::load(path).unwrap().is_luminance());
     describe("data = \"grey.ddr\"\nchannel = \"brightness\"\n");
     assert!(matches!(Sample::load(path), Err(SampleError::Description { .. })));
+}
+
+#[test]
+fn fits_read_luminance_as_one_channel() {
+    let sample = Sample::load("mecho-6216").unwrap();
+    let readings = FitReadings::new(&sample, &Convention::default()).unwrap();
+    assert_eq!(readings.channels, [Channel::Luminance]);
+    assert_eq!(readings.beta.ncols(), 1);
+    assert_eq!(readings.rgby_of(&[0.25]), Some([0.25; 4]));
 }
