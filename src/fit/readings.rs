@@ -20,17 +20,20 @@ pub enum Channel {
     Red,
     Green,
     Blue,
+    /// Of samples that have no other.
+    Luminance,
     /// Vacuum wavelength, nm.
     Wavelength(f64),
 }
 
 impl Channel {
-    /// `r`, `g`, `b`, or the wavelength as `550 nm`.
+    /// `r`, `g`, `b`, `y`, or the wavelength as `550 nm`.
     pub fn name(self) -> String {
         match self {
             Self::Red => "r".into(),
             Self::Green => "g".into(),
             Self::Blue => "b".into(),
+            Self::Luminance => "y".into(),
             Self::Wavelength(nm) => format!("{nm} nm"),
         }
     }
@@ -98,6 +101,7 @@ impl FitReadings {
                 // A laser's wavelength is fitted as well as any, though it has no colour.
                 (channels, vec![1.0; width], weights.ok())
             }
+            None if sample.is_luminance() => (vec![Channel::Luminance], vec![1.0], Some(weights?)),
             None => {
                 let weights = weights?;
                 let luminance = convention.rgb.luminance_row();
