@@ -38,11 +38,11 @@ impl Channel {
         }
     }
 
-    /// Wavelength in nm; none of red, green and blue.
+    /// Wavelength in nm; none of red, green, blue and luminance.
     pub fn wavelength_nm(self) -> Option<f64> {
         match self {
             Self::Wavelength(nm) => Some(nm),
-            Self::Red | Self::Green | Self::Blue => None,
+            Self::Red | Self::Green | Self::Blue | Self::Luminance => None,
         }
     }
 }
