@@ -1,7 +1,7 @@
 use super::emulator::Emulator;
 use super::forward::ForwardModel;
 use super::{
-    Bound, Differences, FitError, FitReadings, FreeDye, FreeParameter, Indistinct, Residuals, Scale, Settings,
+    Differences, FitError, FitReadings, FittedParameter, FreeDye, FreeParameter, Indistinct, Residuals, Scale, Settings,
     Solution, minimise,
 };
 use ndarray::{Array1, Array2};
@@ -169,22 +169,6 @@ pub fn misfits(readings: &FitReadings, beta: &Array2<f64>, kept: &[usize]) -> Ve
     kept.iter().flat_map(|&g| at(g)).collect()
 }
 
-/// A parameter of a fit, its value, and how sure that is.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct FittedParameter {
-    pub name: String,
-    pub unit: String,
-    pub value: f64,
-    /// Standard error from the readings' uncertainty, scaled up where the misfit exceeds it; none on a bound, or where
-    /// the readings do not determine the parameter.
-    pub se_readings: Option<f64>,
-    /// From the noise of the traced light.
-    pub se_monte_carlo: Option<f64>,
-    /// 95 % interval of both together, on the parameter's scale, within its bounds.
-    pub interval: Option<[f64; 2]>,
-    pub at_bound: Option<Bound>,
-}
-
 /// What a fit says of its parameters.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ParameterReport {
@@ -197,9 +181,6 @@ pub struct ParameterReport {
     /// χ², at least 1 (Birge ratio).
     pub scale: f64,
 }
-
-/// Quantile of the normal distribution for 95 % two-sided.
-const TWO_SIDED_95: f64 = 1.959_964;
 
 impl PhysicalModel<'_> {
     /// Values, errors and correlations of a solution. `by_batch` are emulators of single batches, whose scatter is the
@@ -241,24 +222,17 @@ impl PhysicalModel<'_> {
         let fitted = (0..parameters.len()).map(|p| {
             let readings = assessment.se[p].map(|se| se * scale);
             let monte_carlo = readings.map(|_| noise[p]);
-            let both = readings.map(|se| se.hypot(noise[p]));
-            let value = solution.parameters[p];
-            match self.forward.traced().get(p) {
-                Some(traced) => {
-                    // From coordinates to values, along the coordinate.
-                    let step = 1e-4;
-                    let mut moved = point.to_vec();
-                    moved[p] += step;
-                    let slope = (emulator.values(&moved)[p] - values[p]) / step;
-                    fitted_of(
-                        traced,
-                        values[p],
-                        [readings, monte_carlo, both].map(|se| se.map(|se| se * slope.abs())),
-                    )
-                }
-                None => fitted_of(&parameters[p], value, [readings, monte_carlo, both]),
-            }
-            .at(assessment.at_bound[p])
+            let at_bound = assessment.at_bound[p];
+            let Some(traced) = self.forward.traced().get(p) else {
+                return FittedParameter::new(&parameters[p], solution.parameters[p], readings, monte_carlo, at_bound);
+            };
+            // From coordinates to values, along the coordinate.
+            let step = 1e-4;
+            let mut moved = point.to_vec();
+            moved[p] += step;
+            let slope = ((emulator.values(&moved)[p] - values[p]) / step).abs();
+            let [readings, monte_carlo] = [readings, monte_carlo].map(|se| se.map(|se| se * slope));
+            FittedParameter::new(traced, values[p], readings, monte_carlo, at_bound)
         });
         Ok(ParameterReport {
             parameters: fitted.collect(),
@@ -302,36 +276,5 @@ impl PhysicalModel<'_> {
             .iter()
             .map(|sum| (sum / (count * (count - 1.0))).sqrt())
             .collect())
-    }
-}
-
-fn fitted_of(
-    parameter: &FreeParameter,
-    value: f64,
-    [readings, monte_carlo, both]: [Option<f64>; 3],
-) -> FittedParameter {
-    let [low, high] = parameter.bounds;
-    let interval = both.map(|se| {
-        let reach = TWO_SIDED_95 * se;
-        match parameter.scale {
-            Scale::Linear => [value - reach, value + reach],
-            Scale::Log => [value * (-reach / value).exp(), value * (reach / value).exp()],
-        }
-        .map(|end| end.clamp(low, high))
-    });
-    FittedParameter {
-        name: parameter.name.clone(),
-        unit: parameter.unit.clone(),
-        value,
-        se_readings: readings,
-        se_monte_carlo: monte_carlo,
-        interval,
-        at_bound: None,
-    }
-}
-
-impl FittedParameter {
-    fn at(self, at_bound: Option<Bound>) -> Self {
-        Self { at_bound, ..self }
     }
 }

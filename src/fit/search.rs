@@ -2,12 +2,14 @@ use super::emulator::{Batches, Emulator};
 use super::forward::ForwardRun;
 use super::physical::{ParameterReport, PhysicalModel, misfits};
 use super::readings::rms;
-use super::{FitError, Solution};
+use super::{Candidate, FitError, FitReadings, Fitted, FittedParameter, Indistinct, Solution};
+use crate::rig::Geometry;
 use crate::transport::{Purpose, Stream};
-use ndarray::Array2;
+use ndarray::{Array2, Axis};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use std::ops::ControlFlow;
+use std::sync::Mutex;
 
 /// How a physical model is searched.
 pub struct SearchSettings<'a> {
@@ -43,6 +45,8 @@ pub struct PhysicalFit {
     /// β at `[geometry][channel]`, of all geometries, and its Monte Carlo standard error.
     pub beta: Array2<f64>,
     pub beta_se: Array2<f64>,
+    /// β of each Monte Carlo batch alone.
+    pub batches: Vec<Array2<f64>>,
     /// rms misfit over uncertainty of the readings that were fitted.
     pub rms: f64,
     /// rms of the Monte Carlo standard error over the uncertainty of these readings.
@@ -169,6 +173,7 @@ impl PhysicalModel<'_> {
             noise: rms(noise),
             beta,
             beta_se,
+            batches: of_batches,
             solution,
             converged,
             rounds,
@@ -335,4 +340,92 @@ fn around(centre: &[f64], half: f64) -> (Vec<f64>, Vec<f64>) {
         .collect();
     let high = low.iter().map(|low| (low + 2.0 * half).min(1.0)).collect();
     (low, high)
+}
+
+/// A physical model as a candidate beside others. Its fits to parts of the readings share what was traced.
+pub struct PhysicalCandidate<'a> {
+    pub id: String,
+    pub label: String,
+    pub model: PhysicalModel<'a>,
+    pub seed: u64,
+    pub watch: &'a (dyn Fn(&SearchProgress) -> ControlFlow<()> + Sync),
+    pub pool: Mutex<ForwardPool>,
+}
+
+impl PhysicalCandidate<'_> {
+    /// The fit to some of the readings, with all that a physical fit says.
+    ///
+    /// # Errors
+    /// As [`PhysicalModel::search`].
+    pub fn search(&self, readings: &FitReadings) -> Result<PhysicalFit, FitError> {
+        let kept = self.places(&readings.geometries)?;
+        let settings = SearchSettings {
+            seed: self.seed,
+            watch: self.watch,
+        };
+        let mut pool = self.pool.lock().map_err(|_| FitError::NoRuns)?;
+        self.model.search(&mut pool, &kept, &settings)
+    }
+
+    /// Indices of geometries among those of the model.
+    fn places(&self, geometries: &[Geometry]) -> Result<Vec<usize>, FitError> {
+        places(self.model.forward.geometries(), geometries)
+    }
+}
+
+fn places(all: &[Geometry], geometries: &[Geometry]) -> Result<Vec<usize>, FitError> {
+    let place = |geometry: &Geometry| {
+        let found = all.iter().position(|one| one == geometry);
+        found.ok_or(FitError::NotTraced {
+            theta_i_deg: geometry.theta_i_deg,
+            theta_v_deg: geometry.theta_v_deg,
+        })
+    };
+    geometries.iter().map(place).collect()
+}
+
+impl Candidate for PhysicalCandidate<'_> {
+    fn id(&self) -> &str {
+        &self.id
+    }
+
+    fn label(&self) -> &str {
+        &self.label
+    }
+
+    fn fit(&self, readings: &FitReadings) -> Result<Box<dyn Fitted>, FitError> {
+        let fit = self.search(readings)?;
+        Ok(Box::new(FittedPhysical {
+            geometries: self.model.forward.geometries().to_vec(),
+            fit,
+        }))
+    }
+}
+
+struct FittedPhysical {
+    geometries: Vec<Geometry>,
+    fit: PhysicalFit,
+}
+
+impl Fitted for FittedPhysical {
+    fn parameters(&self) -> &[FittedParameter] {
+        &self.fit.report.parameters
+    }
+
+    fn predict(&self, geometries: &[Geometry]) -> Result<Array2<f64>, FitError> {
+        Ok(self.fit.beta.select(Axis(0), &places(&self.geometries, geometries)?))
+    }
+
+    fn batches(&self, geometries: &[Geometry]) -> Result<Vec<Array2<f64>>, FitError> {
+        let places = places(&self.geometries, geometries)?;
+        Ok((self.fit.batches.iter()).map(|batch| batch.select(Axis(0), &places)).collect())
+    }
+
+    fn indistinct(&self) -> &[Indistinct] {
+        &self.fit.report.indistinct
+    }
+
+    fn converged(&self) -> bool {
+        self.fit.converged
+    }
 }
