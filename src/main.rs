@@ -14,6 +14,8 @@ fn main() -> ExitCode {
     cli::exit(terminal.start_threads(&options).and_then(|()| {
         let done = match command {
             Command::Check(arguments) => return cli::check::run(&arguments, &options),
+            Command::Compare(arguments) => return cli::compare::run(&arguments, &options),
+            Command::Fit(arguments) => cli::fit::run(&arguments, &options),
             Command::Report(arguments) => cli::report::run(&arguments, &options, &terminal),
             Command::Init(arguments) => cli::init::run(&arguments, &options),
             Command::Mie(arguments) => cli::mie::run(&arguments, &terminal),

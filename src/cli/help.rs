@@ -10,6 +10,13 @@ pub const REPORT: &str = "Examples:
   specval report study.toml --quick --out quick
   specval report study.toml --measured merl-red-fabric2 --out report2
   specval report study.toml --until \"rel 1%\" --max-time 10min";
+pub const FIT: &str = "Examples:
+  specval fit
+  specval fit study.toml --measured merl-red-fabric2 --out fit2
+  specval fit study.toml --max-time 3min";
+pub const COMPARE: &str = "Examples:
+  specval compare --measured merl-red-fabric --measured merl-red-fabric2
+  specval compare round.toml flat.toml --measured merl-red-fabric --json";
 pub const INIT: &str = "Examples:
   specval init
   specval init studies

@@ -6,7 +6,9 @@
 pub mod bsdf;
 pub mod check;
 pub mod colour;
+pub mod compare;
 pub mod convert;
+pub mod fit;
 mod help;
 pub mod init;
 pub mod inspect;
@@ -67,6 +69,12 @@ pub enum Command {
     /// Model and classical shading against a measured sample: graphs, Table 1, energy table.
     #[command(long_about = help::of::<report::Arguments>(), after_long_help = help::REPORT)]
     Report(report::Arguments),
+    /// Fit a study to a measured sample: parameters with intervals.
+    #[command(long_about = help::of::<fit::Arguments>(), after_long_help = help::FIT)]
+    Fit(fit::Arguments),
+    /// Physical against classical models on measured samples: verdicts in one table. Exit 0 physical, 1 classical, 2 cannot tell.
+    #[command(long_about = help::of::<compare::Arguments>(), after_long_help = help::COMPARE)]
+    Compare(compare::Arguments),
     /// Write study.toml with every default and what it means.
     #[command(long_about = help::of::<init::Arguments>(), after_long_help = help::init())]
     Init(init::Arguments),

@@ -142,6 +142,11 @@ impl ProgressLine {
         self.0.inc((share * Self::STEPS as f64) as u64);
     }
 
+    /// Says what is being done.
+    pub fn say(&self, what: String) {
+        self.0.set_message(what);
+    }
+
     pub fn finish(&self) {
         self.0.finish_and_clear();
     }

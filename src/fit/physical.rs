@@ -1,8 +1,8 @@
 use super::emulator::Emulator;
 use super::forward::ForwardModel;
 use super::{
-    Differences, FitError, FitReadings, FittedParameter, FreeDye, FreeParameter, Indistinct, Residuals, Scale, Settings,
-    Solution, minimise,
+    Differences, FitError, FitReadings, FittedParameter, FreeDye, FreeParameter, Indistinct, Residuals, Scale,
+    Settings, Solution, minimise,
 };
 use ndarray::{Array1, Array2};
 

@@ -418,7 +418,9 @@ impl Fitted for FittedPhysical {
 
     fn batches(&self, geometries: &[Geometry]) -> Result<Vec<Array2<f64>>, FitError> {
         let places = places(&self.geometries, geometries)?;
-        Ok((self.fit.batches.iter()).map(|batch| batch.select(Axis(0), &places)).collect())
+        Ok((self.fit.batches.iter())
+            .map(|batch| batch.select(Axis(0), &places))
+            .collect())
     }
 
     fn indistinct(&self) -> &[Indistinct] {

@@ -17,7 +17,7 @@ mod summary;
 mod tables;
 
 pub use approximations::{ApproximationRow, Approximations, LocalityRow};
-pub use charts::{Graph, Outline, chart_font, graphs};
+pub use charts::{FitCurves, Graph, Outline, chart_font, fit_panels, graphs};
 pub use energy_row::EnergyRow;
 pub use error::ReportError;
 pub use json::report_json;

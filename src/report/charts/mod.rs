@@ -1,11 +1,13 @@
 //! The charts of a report. One more is its own file and a row of [`CHARTS`].
 
 mod canvas;
+mod fit_panels;
 mod look;
 mod picture;
 mod view_angle;
 
 pub use canvas::chart_font;
+pub use fit_panels::{FitCurves, fit_panels};
 pub use picture::Outline;
 pub(crate) use picture::file_names;
 pub use view_angle::{Graph, graphs};
