@@ -198,6 +198,14 @@ impl PhysicalModel<'_> {
         let low = vec![0.0; self.forward.traced().len()];
         let high = vec![1.0; low.len()];
         let parameters = self.parameters(&low, &high);
+        if parameters.is_empty() {
+            return Ok(ParameterReport {
+                parameters: Vec::new(),
+                correlation: Vec::new(),
+                indistinct: Vec::new(),
+                scale: 1.0,
+            });
+        }
         let problem = PhysicalProblem {
             model: self,
             emulator,

@@ -110,7 +110,13 @@ impl PhysicalModel<'_> {
             let centre = self.split(&best.parameters).point.to_vec();
             let (low, high) = around(&centre, region);
             state.fill(&low, &high)?;
-            let members = state.members(&low, &high);
+            let (mut low, mut high) = (low, high);
+            let mut members = state.members(&low, &high);
+            if members.is_empty() {
+                // Stopped before the region had runs: the best run alone, whose coordinates stay.
+                members.extend(state.pool.runs.iter().position(|run| run.point == centre));
+                (low, high) = (centre.clone(), centre.clone());
+            }
             let runs: Vec<&ForwardRun> = members.iter().map(|&k| &state.pool.runs[k]).collect();
             let emulator = Emulator::new(self.forward, &runs, &centre, Batches::All)?;
             let start = Some(best.parameters.clone());
