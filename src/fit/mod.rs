@@ -1,6 +1,7 @@
 //! Fits to a sample: readings, bounded least squares, and what the data tell of each parameter.
 
 mod assessment;
+mod design;
 mod error;
 mod least_squares;
 mod notice;
@@ -9,6 +10,7 @@ mod readings;
 mod residuals;
 
 pub use assessment::{Assessment, Bound, Indistinct, assess};
+pub use design::{Axis, Design};
 pub use error::FitError;
 pub use least_squares::{Progress, Settings, Solution, StartOutcome, minimise};
 pub use notice::FitNotice;
