@@ -40,6 +40,11 @@ impl Display for RunNotice {
     }
 }
 
+/// Notices as users read them.
+pub fn worded<N: Display>(notices: &[N]) -> impl Iterator<Item = String> {
+    notices.iter().map(N::to_string)
+}
+
 /// The first of the same words about several spectra, and how many more there are.
 pub fn first_of(words: &[String]) -> Option<String> {
     match words {

@@ -8,7 +8,7 @@ use super::error::{FormatError, remedy};
 use super::rgl_arrays::{F32, MAGIC, RGL, U8};
 use super::text::quoted;
 use crate::goniometric::{
-    Arrays, ChannelSet, Component, FileProvenance, Goniometric, Quantity, Scatter, Side, Table, Warped,
+    Arrays, ChannelSet, Component, FileProvenance, Goniometric, Quantity, ReadNotice, Scatter, Side, Table, Warped,
 };
 use crate::number::shown;
 use crate::spectrum::WavelengthGrid;
@@ -147,31 +147,23 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
     })?;
     let mut warnings = Vec::new();
     if channels == ChannelSet::Rgb {
-        warnings.push("the RGB primaries are not stated".to_owned());
+        warnings.push(ReadNotice::RgbPrimariesNotStated);
     }
     let name = if channels == ChannelSet::Rgb { "rgb" } else { "spectra" };
     let negative = warped.negative_above_horizon();
     if negative.count > 0 {
         if negative.sum >= negative.positive_sum {
-            warnings.push(format!(
-                "the values of `{name}` below 0 outweigh those above it: check the sign of the data, or copy the file again in \
-                 binary mode"
-            ));
+            warnings.push(ReadNotice::MostlyNegative { array: name.into() });
         }
-        let cause = if channels == ChannelSet::Rgb {
-            "as colours outside the RGB space have them"
-        } else {
-            "as dark subtraction leaves them"
-        };
-        warnings.push(format!(
-            "{} values of `{name}` are below 0, down to {}, {cause}; what is below 0 after interpolation counts as 0",
-            negative.count, negative.lowest
-        ));
+        warnings.push(ReadNotice::BelowZero {
+            array: name.into(),
+            count: negative.count,
+            lowest: negative.lowest,
+            rgb: channels == ChannelSet::Rgb,
+        });
     }
     if let Some(words) = warped.symmetry() {
-        warnings.push(format!(
-            "azimuths of a part of the circle are stored: the rest is taken as {words}, as Mitsuba does"
-        ));
+        warnings.push(ReadNotice::PartOfAzimuths { symmetry: words.into() });
     }
     let end = file
         .fields
@@ -182,10 +174,9 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
     // Arrays are aligned to 8 bytes, with zeros between them.
     let behind = bytes.get(end..).unwrap_or_default();
     if behind.len() >= 8 || behind.iter().any(|byte| *byte != 0) {
-        warnings.push(format!(
-            "{} bytes behind the last array are not used",
-            bytes.len() - end
-        ));
+        warnings.push(ReadNotice::BytesBehindArrays {
+            bytes: bytes.len() - end,
+        });
     }
     let provenance = FileProvenance {
         source: None,

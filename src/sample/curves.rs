@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::columns::{SampleColumns, Values};
+use super::columns::{SampleColumns, ValueColumns};
 use super::error::SampleError;
 use super::nominal::{ANGLE_TOLERANCE_DEG, AnglesRead, as_read, nominal};
 use super::notice::SampleNotice;
@@ -73,9 +73,9 @@ pub(super) fn curves(table: CsvTable, relative_se: Option<f64>) -> Result<Sample
     }
     let has_se = columns.has_se();
     let (axis, rows) = match &columns.values {
-        Values::Rgb { .. } => (ReadingAxis::Rgb, each_once(&table, lines, &mut notices)?),
-        Values::Wide { beta, .. } => wide(&table, beta, lines, &mut notices)?,
-        Values::Long { wavelength, .. } => spectral(&table, *wavelength, lines, &mut notices)?,
+        ValueColumns::Rgb { .. } => (ReadingAxis::Rgb, each_once(&table, lines, &mut notices)?),
+        ValueColumns::Wide { beta, .. } => wide(&table, beta, lines, &mut notices)?,
+        ValueColumns::Long { wavelength, .. } => spectral(&table, *wavelength, lines, &mut notices)?,
     };
     let doubts: Vec<Doubt> = unit_doubts(&rows).collect();
     // 1.05 is no reading at 1 degree where it is one at 60.

@@ -2,6 +2,7 @@
 //! them changes a value. Shared by samples, spectra and media.
 
 use crate::number::nan_from_null;
+use crate::text::TextNotice;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 use std::ops::{Bound, RangeBounds};
@@ -77,10 +78,7 @@ impl Display for Doubt {
                 "no angle is beyond {}: these look like radians read as degrees; multiply them by 180/pi = 57.29578",
                 rounded(*largest)
             ),
-            Self::Repeated { lines } => {
-                let repeat = if *lines == 1 { "line repeats" } else { "lines repeat" };
-                write!(f, "{lines} {repeat} a reading with the same value: taken once")
-            }
+            Self::Repeated { lines } => TextNotice::RepeatedLines { lines: *lines }.fmt(f),
         }
     }
 }

@@ -134,7 +134,7 @@ impl WeaveDraft {
     pub fn parse(path: &str, bytes: &[u8]) -> Result<Self, FormatError> {
         let decoded = crate::formats::decode(path, bytes)?;
         let mut draft = wif::parse(path, &decoded.text)?;
-        draft.warnings.extend(decoded.notice);
+        draft.warnings.extend(decoded.notice.map(|notice| notice.to_string()));
         Ok(draft)
     }
 }

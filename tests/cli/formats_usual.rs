@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use specval::formats::{
-    Encoding, Format, Goniometric, ReadOptions, Scatter, Side, WriteOptions, direction, parse, write,
+    Encoding, Format, Goniometric, ReadOptions, Scatter, Side, WriteNotice, WriteOptions, direction, parse, write,
 };
 use specval::geometry::Vec3;
 
@@ -32,7 +32,7 @@ fn f(data: &Goniometric, omega_in: &Vec3, omega_out: &Vec3) -> f64 {
 }
 
 fn warned(data: &Goniometric, words: &str) -> bool {
-    data.warnings.iter().any(|warning| warning.contains(words))
+    data.warnings.iter().any(|warning| warning.to_string().contains(words))
 }
 
 #[test]
@@ -330,7 +330,7 @@ fn components_are_chosen_and_named() {
             written
                 .notices
                 .iter()
-                .any(|n| n.ends_with("transmission of light from the front"))
+                .any(|n| n.to_string().ends_with("transmission of light from the front"))
         );
     }
     let transmission = WriteOptions {
@@ -366,7 +366,9 @@ fn components_are_chosen_and_named() {
     let written = write(&back, Format::SSDD, &asked).unwrap();
     assert_eq!(written.components, ["reflection of light from the back"]);
     assert!(
-        written.notices.iter().any(|n| n.contains("does not state the side")),
+        written
+            .notices
+            .contains(&WriteNotice::SideNotStated { format: Format::SSDD }),
         "{:?}",
         written.notices
     );
@@ -393,7 +395,10 @@ fn merl_says_what_reciprocity_costs() {
         )
         .unwrap()
     };
-    let told = |notices: &[String]| notices.iter().find(|n| n.contains("reciprocal")).cloned();
+    let told = |notices: &[WriteNotice]| {
+        let reciprocal = |notice: &&WriteNotice| matches!(notice, WriteNotice::Reciprocal { .. });
+        notices.iter().find(reciprocal).map(ToString::to_string)
+    };
     let written = table(0.1, 0.2);
     let notice = told(&written.notices).unwrap();
     // (0.2 − 0.1)/(0.2 + 0.1) where one direction is the normal and the other near the horizon.

@@ -2,10 +2,11 @@
 
 use crate::report_data::data;
 use specval::compare::Geometry;
+use specval::formats::ReadNotice;
 use specval::output::*;
 use specval::report::*;
 use specval::sample::SampleNotice;
-use specval::spectrum::Doubt;
+use specval::spectrum::{Doubt, TextNotice};
 
 fn text(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).unwrap()
@@ -177,6 +178,30 @@ fn notices_and_fallbacks_survive_the_result_file() {
             "`weft.particle_diameter_nm`: a particle of 0.15 nm is smaller than a molecule",
         ),
         (SampleNotice::Doubt { doubt }.into(), "a particle of 0.15 nm"),
+        (
+            SampleNotice::Text {
+                notice: TextNotice::Preamble { lines: 2 },
+            }
+            .into(),
+            "2 lines before the titles of the columns: passed over as comments",
+        ),
+        (
+            SampleNotice::Format {
+                notice: ReadNotice::Several {
+                    notice: ReadNotice::BelowZero {
+                        array: "rgb".into(),
+                        count: 3,
+                        lowest: -0.1,
+                        rgb: true,
+                    }
+                    .into(),
+                    times: 2,
+                },
+            }
+            .into(),
+            "3 values of `rgb` are below 0, down to -0.1, as colours outside the RGB space have them; what is below 0 after \
+             interpolation counts as 0 (2 times)",
+        ),
         (
             SampleNotice::RenamedColumns {
                 columns: vec!["'view' as theta_v_deg".into()],

@@ -1,3 +1,4 @@
+use super::super::notice::worded;
 use super::super::{Failure, Terminal, in_words};
 use super::ChosenComponent;
 use super::series::Series;
@@ -85,7 +86,7 @@ struct NoneChosen {
 }
 
 fn inspect(data: Goniometric, chosen: &ChosenComponent) -> Result<Inspection, Failure> {
-    let mut warnings = data.warnings;
+    let mut warnings: Vec<String> = worded(&data.warnings).collect();
     let components: Vec<Part> = data.components.iter().filter(|c| chosen.holds(c)).map(part).collect();
     if components.is_empty() {
         let found: Vec<String> = data.components.iter().map(Component::words).collect();

@@ -1,6 +1,6 @@
 //! Files that are not goniometric tables: drafts, spectra and samples.
 
-use super::super::notice::first_of;
+use super::super::notice::{first_of, worded};
 use super::super::{Failure, Terminal};
 use super::series::Series;
 use serde::Serialize;
@@ -102,7 +102,7 @@ pub fn spectra(file: &SpectraFile, terminal: &Terminal) -> Result<(), Failure> {
         wavelength_nm: Series::new(nm.unwrap_or_default()),
         spectra: file.spectra.iter().map(of).collect(),
         stated: file.stated.clone(),
-        warnings: file.notices.iter().cloned().chain(first_of(&doubts)).collect(),
+        warnings: worded(&file.notices).chain(first_of(&doubts)).collect(),
     };
     terminal.result(&found, |of| {
         let mut text = "format       table of spectra; `specval colour` prints their colours\n".to_owned();

@@ -4,9 +4,9 @@ use std::fmt::Write;
 use rayon::prelude::*;
 
 use super::super::descriptor::Content;
-use super::WriteError;
 use super::balance::Balance;
 use super::sampling::{ChannelMap, Sampler, clipped};
+use super::{WriteError, WriteNotice};
 use crate::geometry::Vec3;
 use crate::goniometric::{
     ChannelSet, Component, FileProvenance, Format, Hemisphere, Hemispherical, KlemsBasis, KlemsMatrix, Scatter, Side,
@@ -21,7 +21,7 @@ const COVERED: f64 = 0.5;
 
 /// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z. Specular fractions
 /// are on their diagonals.
-pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<WriteNotice>) -> Result<Vec<u8>, WriteError> {
     let (components, provenance) = (content.components, content.provenance);
     let mut matrices: Vec<(&Component, KlemsMatrix)> = Vec::new();
     for component in components {
@@ -37,7 +37,7 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
             let alike = alike.find(|(of, _)| (of.scatter, of.side) == (component.scatter, component.side));
             match alike {
                 Some((_, matrix)) => on_diagonal(component, table, matrix, content.format, notices)?,
-                None => notices.push("specular fractions without scattering of their kind are left out".into()),
+                None => notices.push(WriteNotice::SpecularLeftOut),
             }
         }
     }
@@ -135,7 +135,7 @@ fn block(text: &mut String, component: &Component, matrix: &KlemsMatrix, wavelen
 /// Means of f over pairs of patches. Of an exiting patch it is ∫ f cos θ dω over it, by the points of the integral over
 /// the hemisphere, so that hemispherical values stay those of the source; incident directions are even in projected
 /// solid angle.
-fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) -> Result<KlemsMatrix, WriteError> {
+fn averaged(component: &Component, format: Format, notices: &mut Vec<WriteNotice>) -> Result<KlemsMatrix, WriteError> {
     let basis = KlemsBasis::named("LBNL/Klems Full").ok_or_else(|| WriteError::CannotHold {
         format,
         holds: "patches of Klems' full basis".into(),
@@ -208,7 +208,7 @@ fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) ->
         }
     }
     clipped(&mut values, notices);
-    notices.push("values are means over the patches of Klems' full basis".into());
+    notices.push(WriteNotice::PatchMeans);
     sampler.notice(notices);
     balance.notice(notices);
     Ok(KlemsMatrix::new(basis.clone(), basis, values))
@@ -278,12 +278,12 @@ fn on_diagonal(
     fractions: &SpecularTable,
     matrix: &mut KlemsMatrix,
     format: Format,
-    notices: &mut Vec<String>,
+    notices: &mut Vec<WriteNotice>,
 ) -> Result<(), WriteError> {
     let map = ChannelMap::to_xyz(&component.channels, notices)?;
     let basis = matrix.incident().clone();
     if *matrix.exiting() != basis {
-        notices.push("specular fractions are left out: incident and exiting patches differ".into());
+        notices.push(WriteNotice::SpecularWithoutDiagonal);
         return Ok(());
     }
     let ends = |nodes: &[f64]| [nodes[0], nodes[nodes.len() - 1]];
@@ -313,9 +313,9 @@ fn on_diagonal(
             }
         }
     }
-    notices.push("specular fractions are on the diagonal, over the projected solid angle of the patch".into());
+    notices.push(WriteNotice::SpecularOnDiagonal);
     if beyond {
-        notices.push("specular fractions beyond the first and last incidence are those there".into());
+        notices.push(WriteNotice::SpecularBeyond);
     }
     Ok(())
 }
