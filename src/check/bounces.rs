@@ -81,7 +81,7 @@ impl Detector for Sides {
         2
     }
 
-    fn find(&self, direction: &Vec3, mut found: impl FnMut(usize, f64)) {
+    fn find(&self, direction: &Vec3, _: f64, mut found: impl FnMut(usize, f64)) {
         found(usize::from(direction.z < 0.0), 1.0);
     }
 }

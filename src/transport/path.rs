@@ -17,6 +17,8 @@ pub struct Entry {
 /// Part of a path's flux that leaves the body.
 #[derive(Clone, Copy, Debug)]
 pub struct Exit<'w> {
+    /// Index of the path among the paths of the trace.
+    pub path: usize,
     /// Position where the path entered the body, and unit vector towards the light there.
     pub entry: Vec3,
     pub omega_in: Vec3,

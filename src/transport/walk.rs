@@ -155,6 +155,8 @@ struct State<'a, 'e, S, W> {
     weights: W,
     scatterings: u64,
     entries: [Entry; LANES],
+    /// Index of each lane's path among all paths.
+    numbers: [usize; LANES],
 }
 
 impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
@@ -178,6 +180,7 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
             ends,
             scatterings: 0,
             entries: [nowhere; LANES],
+            numbers: [0; LANES],
         }
     }
 
@@ -242,8 +245,10 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
             return;
         }
         self.entries[lane] = of.entries[place];
+        self.numbers[lane] = of.number[place];
         if of.transmittance[place] > 0.0 {
             (self.ends.sink)(&Exit {
+                path: of.number[place],
                 position: vector(&of.far_position, place),
                 normal: vector(&of.far_normal, place),
                 direction: vector(&of.far_direction, place),
@@ -273,7 +278,8 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
     fn meet(&mut self, step: &Step) {
         let Walk { interior, roulette, .. } = self.walk;
         self.scatterings += u64::from(step.scattering.count_ones());
-        let (flights, entries, sink) = (&self.flights, &self.entries, &mut self.ends.sink);
+        let (flights, sink) = (&self.flights, &mut self.ends.sink);
+        let (entries, numbers) = (&self.entries, &self.numbers);
         let tell = |lane: usize, weights: &[f64]| {
             let (normal, direction) = (vector(&step.normal, lane), vector(&flights.direction, lane));
             let outside = refract(
@@ -284,6 +290,7 @@ impl<'a, 'e, S: Shape, W: Weights<'e>> State<'a, 'e, S, W> {
                 interior.index(),
             );
             sink(&Exit {
+                path: numbers[lane],
                 position: vector(&flights.position, lane),
                 normal,
                 direction: outside.into(),

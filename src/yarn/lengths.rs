@@ -1,4 +1,5 @@
 use super::YarnError;
+use super::length_range::LengthRange;
 use crate::transport::Estimate;
 
 /// Upper edges of the first bins in radii; further edges double. Most light of a dyed yarn leaves within 4 R, and its
@@ -37,6 +38,18 @@ impl LengthBins {
         })
     }
 
+    /// Bins in equal ratios of length from `first_mm`, the upper edge of the first, to `last_mm`, the lower edge of the
+    /// open last one.
+    ///
+    /// # Errors
+    /// [`YarnError::Reabsorption`] if the edges are not positive and ascending.
+    pub fn logarithmic(first_mm: f64, last_mm: f64, bins: usize) -> Result<Self, YarnError> {
+        let steps = bins.saturating_sub(2).max(1) as f64;
+        let ratio = last_mm / first_mm;
+        let edges = (0..bins.saturating_sub(1)).map(|k| first_mm * ratio.powf(k as f64 / steps));
+        Self::from_edges(edges.collect())
+    }
+
     /// Bins from the upper edge of every bin but the last, mm.
     ///
     /// # Errors
@@ -67,6 +80,20 @@ impl LengthBins {
     #[inline]
     pub fn bin(&self, length_mm: f64) -> usize {
         self.edges_mm.iter().map(|&edge| usize::from(length_mm >= edge)).sum()
+    }
+
+    /// Lengths that a bin holds.
+    pub(super) fn range(&self, bin: usize) -> LengthRange {
+        let low_mm = if bin == 0 { 0.0 } else { self.edges_mm[bin - 1] };
+        LengthRange {
+            low_mm,
+            width_mm: self.edges_mm.get(bin).map(|edge| edge - low_mm),
+        }
+    }
+
+    /// Mean of exp(−μ L) over the lengths L of a bin with the mean `mean_mm`, for an absorption of μ in 1/mm.
+    pub fn transmittance(&self, bin: usize, mean_mm: f64, mu_per_mm: f64) -> f64 {
+        self.range(bin).tilt(mean_mm, mu_per_mm, 1.0).factor
     }
 }
 

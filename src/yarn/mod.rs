@@ -6,6 +6,7 @@ mod directions;
 mod energy;
 mod far_field;
 mod interpolation;
+mod length_range;
 mod lengths;
 mod locality;
 mod reabsorption;

@@ -29,7 +29,7 @@ impl Detector for Nothing {
         0
     }
 
-    fn find(&self, _: &Vec3, _: impl FnMut(usize, f64)) {}
+    fn find(&self, _: &Vec3, _: f64, _: impl FnMut(usize, f64)) {}
 }
 
 fn gloss(twist_deg: f64, along: f64, across: f64) -> FibreGloss {

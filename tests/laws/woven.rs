@@ -30,7 +30,7 @@ impl Detector for Nothing {
         0
     }
 
-    fn find(&self, _: &Vec3, _: impl FnMut(usize, f64)) {}
+    fn find(&self, _: &Vec3, _: f64, _: impl FnMut(usize, f64)) {}
 }
 
 /// The preprint's particles without dye, absorption in the host.

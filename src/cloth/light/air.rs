@@ -21,11 +21,13 @@ impl Arrival {
 }
 
 /// History of light since it entered the cloth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct History {
     /// Number of yarns met so far.
     pub yarns: usize,
     pub spread: Spread,
+    /// Path length inside yarns so far, mm, where paths go through media; 0 otherwise.
+    pub length_mm: f64,
 }
 
 /// The last event that gave light a direction with a density (not a delta).
@@ -45,6 +47,7 @@ impl History {
     pub const NONE: Self = Self {
         yarns: 0,
         spread: Spread::Never,
+        length_mm: 0.0,
     };
 
     /// History after passing one more yarn without scattering, deflected only by its surfaces.
@@ -56,6 +59,7 @@ impl History {
         Self {
             yarns: self.yarns + 1,
             spread,
+            ..self
         }
     }
 
@@ -64,6 +68,7 @@ impl History {
         Self {
             yarns: self.yarns + 1,
             spread,
+            ..self
         }
     }
 }
@@ -306,7 +311,7 @@ impl<'a, D: Detector, R: Rng> Air<'a, D, R> {
             return;
         }
         let caught = &mut self.caught;
-        self.detector.find(direction, |bin, share| {
+        self.detector.find(direction, history.length_mm, |bin, share| {
             caught[bin]
                 .iter_mut()
                 .zip(weights)

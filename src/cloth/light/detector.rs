@@ -6,9 +6,9 @@ pub trait Detector: Sync {
     /// Number of bins.
     fn bins(&self) -> usize;
 
-    /// Calls `found` for every bin that scores light leaving along the unit vector `direction`, with the fraction it
-    /// scores.
-    fn find(&self, direction: &Vec3, found: impl FnMut(usize, f64));
+    /// Calls `found` for every bin that scores light leaving along the unit vector `direction`, with the factor by which
+    /// it scores. `length_mm` is the path length inside yarns of light traced through media, and 0 of other light.
+    fn find(&self, direction: &Vec3, length_mm: f64, found: impl FnMut(usize, f64));
 }
 
 /// A cone about each view of a rig, like the aperture of a goniophotometer.
@@ -43,7 +43,7 @@ impl Detector for ViewCones {
         self.views.len()
     }
 
-    fn find(&self, direction: &Vec3, mut found: impl FnMut(usize, f64)) {
+    fn find(&self, direction: &Vec3, _: f64, mut found: impl FnMut(usize, f64)) {
         for (k, view) in self.views.iter().enumerate() {
             if view.dot(direction) > self.cos_half_angle {
                 found(k, 1.0);

@@ -85,7 +85,7 @@ impl<'a> SpecularPaths<'a> {
                 return;
             }
         }
-        detector.find(&ray.direction, |bin, share| {
+        detector.find(&ray.direction, 0.0, |bin, share| {
             let [warp, weft] = light.scene.yarns.map(|yarn| yarn.medium.extinction_per_mm());
             for (sum, (warp, weft)) in caught[bin].iter_mut().zip(warp.zip(weft)) {
                 let depth = warp * ray.length_mm[0] + weft * ray.length_mm[1];

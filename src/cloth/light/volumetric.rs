@@ -167,8 +167,13 @@ impl<'a> Volumetric<'a> {
                 }
             },
             |exit| {
+                let before = waiting.arrivals[exit.path].history;
+                let history = History {
+                    length_mm: before.length_mm + exit.length_mm,
+                    ..History::NONE
+                };
                 air.borrow_mut()
-                    .launch(exit.position, exit.direction, exit.weights, History::NONE)
+                    .launch(exit.position, exit.direction, exit.weights, history)
             },
         );
         let ledgers = traced.ledgers.iter();

@@ -98,7 +98,7 @@ impl Detector for Cells {
         2 * self.count()
     }
 
-    fn find(&self, direction: &Vec3, mut found: impl FnMut(usize, f64)) {
+    fn find(&self, direction: &Vec3, _: f64, mut found: impl FnMut(usize, f64)) {
         let up = direction.z > 0.0;
         let first = if up { 0 } else { self.count() };
         let upward = Vec3::new(direction.x, direction.y, direction.z.abs());
