@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 const PATHS: u64 = 200_000;
 
 /// Where light that meets no yarn is in a Klems file.
-const GAPS_IN_PATCHES: &str = "light straight through the gaps is on the diagonal of the transmission, its fraction over the \
-    projected solid angle of the patch";
+const GAPS_IN_PATCHES: &str = "light straight through the gaps is on the diagonal of the transmission, its fraction \
+                               over the projected solid angle of the patch";
 
 /// How light is simulated, in files.
 fn method_words(method: MethodChoice) -> &'static str {
@@ -100,8 +100,8 @@ enum FullError {
         option: &'static str,
     },
     #[error(
-        "the {format} file would have about {expected_mib} MiB, and specval reads at most {most_mib} MiB of that format; take larger \
-         steps{smaller}"
+        "the {format} file would have about {expected_mib} MiB, and specval reads at most {most_mib} MiB of that \
+         format; take larger steps{smaller}"
     )]
     TooLarge {
         format: Format,
@@ -315,7 +315,8 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     };
     terminal.result(&measured, |m| {
         format!(
-            "{} bytes of {} written to {}\n{} of {} incidences traced, {} particles each; median standard error of f {}\n",
+            "{} bytes of {} written to {}\n{} of {} incidences traced, {} particles each; median standard error of f \
+             {}\n",
             m.bytes,
             m.format,
             m.output,
@@ -432,8 +433,8 @@ impl Arguments {
             format!("{software}, simulated woven cloth, {}", method_words(method)),
             format!("study SHA-256 {digest}, seed {}", plan.study.seed),
             format!(
-                "{} incidences from {sides}, {} of them traced, the rest by the symmetry of the weave; {} batches of {} \
-                 particles each; median standard error of f {}",
+                "{} incidences from {sides}, {} of them traced, the rest by the symmetry of the weave; {} batches of \
+                 {} particles each; median standard error of f {}",
                 effort.incidences,
                 bsdf.incidences().len(),
                 effort.batches,

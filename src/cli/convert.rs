@@ -35,7 +35,8 @@ pub(super) enum ConvertError {
     )]
     Extension { path: PathBuf },
     #[error(
-        "{}: expected {asked}, as --scatter says, found an extension of {by_name}; name the file .{extension}, or leave --scatter out",
+        "{}: expected {asked}, as --scatter says, found an extension of {by_name}; name the file .{extension}, or \
+         leave --scatter out",
         path.display()
     )]
     Scatter {

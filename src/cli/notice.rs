@@ -33,7 +33,8 @@ impl Display for RunNotice {
             Self::Removed { path } => write!(f, "{}: of the earlier report in this folder, removed", in_words(path)),
             Self::Left { path } => write!(
                 f,
-                "{}: not of this report; it stays, as it was changed or no report has it on record: remove it if it is not yours",
+                "{}: not of this report; it stays, as it was changed or no report has it on record: remove it if it is \
+                 not yours",
                 in_words(path)
             ),
         }

@@ -286,7 +286,10 @@ impl File<'_> {
         let field = self.fields.get(name);
         let field = field.ok_or_else(|| {
             let remedy = match name {
-                "rgb" => "the file may be tensors of another kind than a measured BSDF; write `rgb`, or `spectra` and `wavelengths`",
+                "rgb" => {
+                    "the file may be tensors of another kind than a measured BSDF; write `rgb`, or `spectra` and \
+                          `wavelengths`"
+                }
                 _ => "the file may be tensors of another kind than a measured BSDF, which has this array",
             };
             FormatError::file(self.path, format!("an array `{name}`"), "none", remedy)

@@ -118,8 +118,8 @@ fn chosen<'a>(
             holds: format!("{}{kind}{side}", held.words()),
             found: there.join("; "),
             remedy: format!(
-                "choose one with --scatter and --side, or take a format that holds it: {} holds both sides, {} reflection and \
-                 transmission",
+                "choose one with --scatter and --side, or take a format that holds it: {} holds both sides, {} \
+                 reflection and transmission",
                 that_hold(Holds::Sides),
                 that_hold(Holds::Kinds)
             ),

@@ -1,6 +1,7 @@
 //! Goniometric data in memory: tables in the parameters of their files, evaluation and hemispherical values.
 
 mod axis;
+mod chart;
 mod cosine;
 mod data;
 mod direction;

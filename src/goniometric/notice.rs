@@ -126,13 +126,14 @@ impl Display for ReadNotice {
             Self::Several { notice, times } => write!(f, "{notice} ({times} times)"),
             Self::Pole { difference } => write!(
                 f,
-                "values at a pole, which is one direction, differ between azimuths by up to {:.2} %: their mean is taken",
+                "values at a pole, which is one direction, differ between azimuths by up to {:.2} %: their mean is \
+                 taken",
                 100.0 * difference
             ),
             Self::Seam { difference } => write!(
                 f,
-                "values at azimuths 360 degrees apart, which are one direction, differ by up to {:.1} %: both are kept, \
-                 with a jump between them",
+                "values at azimuths 360 degrees apart, which are one direction, differ by up to {:.1} %: both are \
+                 kept, with a jump between them",
                 100.0 * difference
             ),
             Self::RenamedColumns { columns } => write!(f, "columns were read as these: {}", columns.join(", ")),

@@ -79,7 +79,8 @@ impl Display for SampleNotice {
             }
             Self::AnglesOfWavelengths { largest_deg } => write!(
                 f,
-                "angles of the sample differ between the wavelengths of a geometry, by up to {} degrees: their means are taken",
+                "angles of the sample differ between the wavelengths of a geometry, by up to {} degrees: their means \
+                 are taken",
                 significant(*largest_deg, 2)
             ),
             Self::NegativeValues { count, lowest } => write!(

@@ -177,8 +177,8 @@ impl SpectrumText {
             None => {
                 let expected = "a column wavelength_nm, or columns titled with wavelengths in nm";
                 let found = table.columns().join(",");
-                let remedy = "name the columns in the first line, as in wavelength_nm,value, with commas, semicolons or tabs \
-                              between them, and give wavelengths in nm";
+                let remedy = "name the columns in the first line, as in wavelength_nm,value, with commas, semicolons \
+                              or tabs between them, and give wavelengths in nm";
                 Err(table.header_error(expected, &found, remedy).into())
             }
         }

@@ -78,8 +78,8 @@ pub(super) fn by_wavelength(
             let expected = format!("a wavelength above {previous} nm");
             let remedy = match found == previous {
                 true => {
-                    "keep one of the two rows of this wavelength, or their mean; readings over incidence and view need the columns theta_i_deg \
-                         and theta_v_deg"
+                    "keep one of the two rows of this wavelength, or their mean; readings over incidence and view need \
+                     the columns theta_i_deg and theta_v_deg"
                 }
                 false => "give wavelengths above 0 nm, in one column",
             };

@@ -52,14 +52,15 @@ impl Display for Doubt {
         match self {
             Self::PerCent { what, share, highest } => write!(
                 f,
-                "{what} is above {FRACTION} in {} % of the values away from mirror and light, up to {}, where 1 is a perfect \
-                 diffuser: these look like per cent; divide them by 100",
+                "{what} is above {FRACTION} in {} % of the values away from mirror and light, up to {}, where 1 is a \
+                 perfect diffuser: these look like per cent; divide them by 100",
                 (100.0 * share).round(),
                 rounded(*highest)
             ),
             Self::High { what, highest } => write!(
                 f,
-                "{what}: the highest value is {}, where 1 is a perfect diffuser; if these are per cent, divide them by 100",
+                "{what}: the highest value is {}, where 1 is a perfect diffuser; if these are per cent, divide them by \
+                 100",
                 rounded(*highest)
             ),
             Self::BelowZero { what, count, lowest } => write!(

@@ -102,7 +102,8 @@ impl CsvTable {
         let found = format!("{}", cells.len());
         let remedy = match separator {
             b',' if cells.len() > columns => {
-                "separate values by commas, one for each title; numbers with a decimal comma need semicolons between them"
+                "separate values by commas, one for each title; numbers with a decimal comma need semicolons between \
+                 them"
             }
             b',' => "separate values by commas",
             b';' => "separate values by semicolons, as the titles are",

@@ -26,8 +26,8 @@ impl Display for TextNotice {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         match self {
             Self::GuessedEncoding => f.write_str(
-                "the text is not UTF-8 and was read as Windows-1252 (Latin-1): letters beyond ASCII may differ, numbers do \
-                 not",
+                "the text is not UTF-8 and was read as Windows-1252 (Latin-1): letters beyond ASCII may differ, \
+                 numbers do not",
             ),
             Self::Preamble { lines } => write!(
                 f,
@@ -42,7 +42,8 @@ impl Display for TextNotice {
             ),
             Self::SortedWavelengths { first_nm, last_nm } => write!(
                 f,
-                "wavelengths stand in another order in the file, from {first_nm} to {last_nm} nm: sorted with their values"
+                "wavelengths stand in another order in the file, from {first_nm} to {last_nm} nm: sorted with their \
+                 values"
             ),
             Self::RepeatedLines { lines } => {
                 let repeat = if *lines == 1 { "line repeats" } else { "lines repeat" };

@@ -5,7 +5,8 @@ use super::{bands, titles, units};
 
 /// Where a table (CSV or CGATS text) departs from what was expected, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{name}, line {line}{}: expected {expected}, found {found}; {remedy}", .column.as_ref().map(|c| format!(", column {c}")).unwrap_or_default())]
+#[error("{name}, line {line}{}: expected {expected}, found {found}; {remedy}", .column.as_ref().map(|c| format!(", \
+                                                                                                                 column {c}")).unwrap_or_default())]
 pub struct CsvError {
     /// File or table.
     pub name: String,

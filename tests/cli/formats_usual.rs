@@ -238,8 +238,9 @@ fn azimuths_a_turn_apart_are_one_direction() {
             .abs()
             < 1e-12
     );
-    let table = "VERSION 0.3\nDATA_TYPE brdf\nCOLOR_MODEL monochrome\nPARAM_TYPE spherical_coordinate_system\nPARAM0_LIST 0 80\n\
-                 PARAM2_LIST 10 80\nPARAM3_LIST 0 180 360\nDATA ascii\n1\n1\n1\n1\n1\n1\n1\n1\n2\n1\n1\n1\n";
+    let table = "VERSION 0.3\nDATA_TYPE brdf\nCOLOR_MODEL monochrome\nPARAM_TYPE \
+                 spherical_coordinate_system\nPARAM0_LIST 0 80\nPARAM2_LIST 10 80\nPARAM3_LIST 0 180 360\nDATA \
+                 ascii\n1\n1\n1\n1\n1\n1\n1\n1\n2\n1\n1\n1\n";
     assert!(warned(&read("a.ssdd", table.as_bytes()), "differ by up to 50.0 %"));
 }
 
@@ -253,8 +254,8 @@ fn written_azimuths_close_at_360() {
         let list: Vec<String> = (0..4).map(|i| (offset + 90 * i).to_string()).collect();
         let list = list.join(" ");
         let source = format!(
-            "VERSION 0.3\nDATA_TYPE brdf\nCOLOR_MODEL monochrome\nPARAM_TYPE {kind}_coordinate_system\nPARAM0_LIST 10 80\n\
-             PARAM1_LIST {list}\nPARAM2_LIST 10 80\nPARAM3_LIST {list}\nDATA ascii\n{}\n",
+            "VERSION 0.3\nDATA_TYPE brdf\nCOLOR_MODEL monochrome\nPARAM_TYPE {kind}_coordinate_system\nPARAM0_LIST 10 \
+             80\nPARAM1_LIST {list}\nPARAM2_LIST 10 80\nPARAM3_LIST {list}\nDATA ascii\n{}\n",
             values.join("\n")
         );
         let source = read("open.ssdd", source.as_bytes());
@@ -288,8 +289,8 @@ fn written_azimuths_close_at_360() {
             }
         }
     }
-    let fractions = "VERSION 0.3\nDATA_TYPE specular_reflectance\nCOLOR_MODEL monochrome\nPARAM0_LIST 0 80\nPARAM1_LIST 0 180\n\
-                     DATA ascii\n0.1\n0.2\n0.3\n0.4\n";
+    let fractions = "VERSION 0.3\nDATA_TYPE specular_reflectance\nCOLOR_MODEL monochrome\nPARAM0_LIST 0 \
+                     80\nPARAM1_LIST 0 180\nDATA ascii\n0.1\n0.2\n0.3\n0.4\n";
     let bytes = write(
         &read("x.ssdd", fractions.as_bytes()),
         Format::SSDD,
@@ -384,8 +385,8 @@ fn merl_says_what_reciprocity_costs() {
             .map(|i| if i % 2 == 0 { low } else { high }.to_string())
             .collect();
         let source = format!(
-            "VERSION 0.3\nDATA_TYPE brdf\nCOLOR_MODEL monochrome\nPARAM_TYPE spherical_coordinate_system\nPARAM0_LIST 0 90\n\
-             PARAM2_LIST 0 90\nPARAM3_LIST 0 360\nDATA ascii\n{}\n",
+            "VERSION 0.3\nDATA_TYPE brdf\nCOLOR_MODEL monochrome\nPARAM_TYPE spherical_coordinate_system\nPARAM0_LIST \
+             0 90\nPARAM2_LIST 0 90\nPARAM3_LIST 0 360\nDATA ascii\n{}\n",
             values.join("\n")
         );
         write(

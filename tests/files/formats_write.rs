@@ -216,10 +216,11 @@ fn readings_of_one_plane_fill_no_hemisphere() {
 /// Fractions are on the diagonal, and what leaves is what scatters and what goes straight on.
 #[test]
 fn klems_holds_specular_fractions_on_the_diagonal() {
-    let text = "VERSION 0.3\nDATA_TYPE btdf\nCOLOR_MODEL monochrome\nPARAM_TYPE spherical_coordinate_system\nPARAM0_LIST 0 90\n\
-        PARAM2_LIST 0 90\nPARAM3_LIST 0 180\nDATA ascii\n0.1\n0.1\n0.1\n0.1\n0.1\n0.1\n0.1\n0.1\n\
-        DATA_TYPE specular_transmittance\nCOLOR_MODEL monochrome\nPARAM0_LIST 0 40 70\nDATA ascii\n0.4\n0.4\n0\n\
-        DATA_TYPE specular_reflectance\nCOLOR_MODEL monochrome\nPARAM0_LIST 0\nDATA ascii\n0.2\n";
+    let text = "VERSION 0.3\nDATA_TYPE btdf\nCOLOR_MODEL monochrome\nPARAM_TYPE \
+                spherical_coordinate_system\nPARAM0_LIST 0 90\nPARAM2_LIST 0 90\nPARAM3_LIST 0 180\nDATA \
+                ascii\n0.1\n0.1\n0.1\n0.1\n0.1\n0.1\n0.1\n0.1\nDATA_TYPE specular_transmittance\nCOLOR_MODEL \
+                monochrome\nPARAM0_LIST 0 40 70\nDATA ascii\n0.4\n0.4\n0\nDATA_TYPE specular_reflectance\nCOLOR_MODEL \
+                monochrome\nPARAM0_LIST 0\nDATA ascii\n0.2\n";
     let data = parse("x.ssdd", text.as_bytes(), &ReadOptions::default()).unwrap();
     let (back, notices) = again_as(&data, Format::RADIANCE_XML, "x.xml");
     assert_eq!(back.components.len(), 1);

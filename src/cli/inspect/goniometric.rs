@@ -126,8 +126,8 @@ impl Part {
             .filter(|r| r.measured < 1.0 && self.quantity != Quantity::Fraction);
         if let Some(worst) = partial.clone().min_by(|a, b| a.measured.total_cmp(&b.measured)) {
             warnings.push(format!(
-                "at {} of {} incidences the projected hemisphere was measured in part alone, least at {} degrees: {:.1} %; the \
-                 rest counts as 0",
+                "at {} of {} incidences the projected hemisphere was measured in part alone, least at {} degrees: \
+                 {:.1} %; the rest counts as 0",
                 partial.count(),
                 rows.len(),
                 worst.theta_i_deg,

@@ -37,7 +37,7 @@ pub fn draft(path: &Path, terminal: &Terminal) -> Result<(), Failure> {
         coloured: [coloured(&draft.warps), coloured(&draft.wefts)],
         spacing_mm: [spacing(&draft.warps), spacing(&draft.wefts)],
         title: draft.title,
-        warnings: draft.warnings,
+        warnings: worded(&draft.warnings).collect(),
     };
     terminal.result(&found, |of| {
         let mut text = "format       wif, a weave draft; `specval weave` prints its drawdown\n".to_owned();
@@ -153,8 +153,8 @@ pub fn sample(sample: &Sample, terminal: &Terminal) -> Result<(), Failure> {
     };
     terminal.result(&found, |of| {
         let mut text = format!(
-            "format       sample, compared with by `report --measured` and tested by `check --sample`\nname         {}\n\
-             source       {}\nlicence      {}\n",
+            "format       sample, compared with by `report --measured` and tested by `check --sample`\nname         \
+             {}\nsource       {}\nlicence      {}\n",
             of.description.name, of.description.source, of.description.licence
         );
         if of.geometries == 0 {
@@ -170,7 +170,10 @@ pub fn sample(sample: &Sample, terminal: &Terminal) -> Result<(), Failure> {
             let _ = writeln!(text, "channels     {channels}");
         }
         if let Some([lowest, highest]) = of.beta {
-            let _ = writeln!(text, "beta         {lowest} to {highest}, dimensionless, 1 for the perfect diffuser");
+            let _ = writeln!(
+                text,
+                "beta         {lowest} to {highest}, dimensionless, 1 for the perfect diffuser"
+            );
         }
         let uncertainty = match of.uncertainty {
             Uncertainty::Columns => "a standard error for each reading".to_owned(),

@@ -26,8 +26,8 @@ pub(super) const FORMAT: Descriptor = Descriptor {
     sizes: USUAL_SIZES,
     convention: Some(
         "the front is +z, as in Radiance; WINDOW calls that side Back, so that `Reflection Back` has its light on it. \
-         Incident patches are those of the opposite azimuth: directions point away from the surface here, and the light's \
-         run towards it in WINDOW",
+         Incident patches are those of the opposite azimuth: directions point away from the surface here, and the \
+         light's run towards it in WINDOW",
     ),
     detect: told,
     read: FormatReader::Goniometric(|input| input.text(read)),

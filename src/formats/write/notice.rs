@@ -135,8 +135,8 @@ impl Display for WriteNotice {
             ),
             Self::BalanceKept(change) => write!(
                 f,
-                "hemispherical values are kept: values are scaled at each incidence and channel, by {:+.2} % at most, at \
-                 incidence {} degrees, where the table alone has {:.5} for {:.5}, {}",
+                "hemispherical values are kept: values are scaled at each incidence and channel, by {:+.2} % at most, \
+                 at incidence {} degrees, where the table alone has {:.5} for {:.5}, {}",
                 100.0 * (change.source / change.table - 1.0),
                 shown(change.theta_i_deg),
                 change.table,
@@ -154,7 +154,8 @@ impl Display for WriteNotice {
             ),
             Self::NotCovered { directions } => write!(
                 f,
-                "at {} of incidence the source does not cover the hemisphere: its hemispherical value is not kept there",
+                "at {} of incidence the source does not cover the hemisphere: its hemispherical value is not kept \
+                 there",
                 count(*directions, "direction")
             ),
             Self::Grey => f.write_str("the one channel is written as red, green and blue alike"),
@@ -180,9 +181,9 @@ impl Display for WriteNotice {
                 values: [there, back],
             } => write!(
                 f,
-                "{format} holds reciprocal data: values are means with light and viewer exchanged; that changes f by up \
-                 to {:.1} %, at incidence {theta_i:.1} degrees towards {theta_o:.1} degrees, where it is {there:.4} one \
-                 way and {back:.4} the other, 1/sr",
+                "{format} holds reciprocal data: values are means with light and viewer exchanged; that changes f by \
+                 up to {:.1} %, at incidence {theta_i:.1} degrees towards {theta_o:.1} degrees, where it is {there:.4} \
+                 one way and {back:.4} the other, 1/sr",
                 100.0 * share
             ),
             Self::FirstAzimuth => f.write_str("fractions are those of the first incident azimuth"),

@@ -99,8 +99,7 @@ fn define(text: &mut String, basis: &KlemsBasis) {
         let centre = if ring == 0 { 0.0 } else { (low + high) / 2.0 };
         let _ = writeln!(
             text,
-            "<AngleBasisBlock><Theta>{centre}</Theta><nPhis>{patches}</nPhis><ThetaBounds><LowerTheta>{low}</LowerTheta>\
-             <UpperTheta>{high}</UpperTheta></ThetaBounds></AngleBasisBlock>"
+            "<AngleBasisBlock><Theta>{centre}</Theta><nPhis>{patches}</nPhis><ThetaBounds><LowerTheta>{low}</LowerTheta><UpperTheta>{high}</UpperTheta></ThetaBounds></AngleBasisBlock>"
         );
     }
     *text += "</AngleBasis>\n";
@@ -115,11 +114,11 @@ fn block(text: &mut String, component: &Component, matrix: &KlemsMatrix, wavelen
     let side = if component.side == Side::Front { "Back" } else { "Front" };
     let _ = writeln!(
         text,
-        "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength unit=\"Integral\">{wavelength}</Wavelength>\n\
-         <SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n<DetectorSpectrum>ASTM E308 1931 Y.dsp</DetectorSpectrum>\n\
-         <WavelengthDataBlock>\n<WavelengthDataDirection>{kind} {side}</WavelengthDataDirection>\n\
-         <ColumnAngleBasis>{}</ColumnAngleBasis>\n<RowAngleBasis>{}</RowAngleBasis>\n\
-         <ScatteringDataType>{data}</ScatteringDataType>\n<ScatteringData>",
+        "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength \
+         unit=\"Integral\">{wavelength}</Wavelength>\n<SourceSpectrum>CIE Illuminant D65 \
+         1nm.ssp</SourceSpectrum>\n<DetectorSpectrum>ASTM E308 1931 \
+         Y.dsp</DetectorSpectrum>\n<WavelengthDataBlock>\n<WavelengthDataDirection>{kind} \
+         {side}</WavelengthDataDirection>\n<ColumnAngleBasis>{}</ColumnAngleBasis>\n<RowAngleBasis>{}</RowAngleBasis>\n<ScatteringDataType>{data}</ScatteringDataType>\n<ScatteringData>",
         escaped(&matrix.incident().name),
         escaped(&matrix.exiting().name)
     );
