@@ -24,6 +24,7 @@
 //! - `rig`: directions, camera rays and brightness factors
 //! - `sample`: a measurement to compare with
 //! - `compare`: sources, errors, ratios, verdicts, Table 1
+//! - `fit`: least squares, fitted models and what they predict
 //! - `study`: the keys of a study
 //! - `report`: the result: written, read back, drawn
 //! - `run`: a whole study from its values to its result
@@ -35,6 +36,7 @@ pub mod cloth;
 pub mod colour;
 pub mod compare;
 pub mod fault;
+pub mod fit;
 pub mod formats;
 pub mod geometry;
 pub mod goniometric;

@@ -130,12 +130,7 @@ impl Sample {
 
     /// Wavelengths in nm that the values of [`Sample::raw`] stand at; `None` for RGB and XYZ.
     pub fn wavelengths_nm(&self) -> Option<&[f64]> {
-        let axis = match &self.data {
-            Data::SampleCurves(curves) => curves.axis(),
-            Data::Goniometric(data) => data.axis(),
-            Data::Ratios(_) => return None,
-        };
-        match axis {
+        match self.axis()? {
             ReadingAxis::Wavelengths(grid) => Some(grid.nm()),
             ReadingAxis::Rgb | ReadingAxis::Xyz => None,
         }

@@ -56,33 +56,18 @@ impl Sample {
         let Some((axis, row, interpolated)) = self.at(theta_i_deg, theta_v_deg) else {
             return Ok(None);
         };
-        let (beta, weights) = match axis {
+        let weights = axis.channel_weights(convention)?;
+        let beta = match axis {
             ReadingAxis::Rgb => {
                 let rgb = LinearRgb([row.beta[0], row.beta[1], row.beta[2]]);
-                let [r, g, b] = convention.rgb.luminance_row();
-                let weights = vec![[1.0, 0.0, 0.0, r], [0.0, 1.0, 0.0, g], [0.0, 0.0, 1.0, b]];
-                ([rgb.0[0], rgb.0[1], rgb.0[2], convention.rgb.luminance(rgb)], weights)
+                [rgb.0[0], rgb.0[1], rgb.0[2], convention.rgb.luminance(rgb)]
             }
-            ReadingAxis::Xyz => {
-                // Without adaptation the matrix is the same for every grid.
-                let system = ColourSystem::new(&WavelengthGrid::preprint(), convention.clone())?;
-                let channels = |x: f64, y: f64, z: f64| {
-                    let [r, g, b] = system.linear_rgb(Xyz { x, y, z }).0;
-                    [r, g, b, y]
-                };
-                let weights = vec![
-                    channels(1.0, 0.0, 0.0),
-                    channels(0.0, 1.0, 0.0),
-                    channels(0.0, 0.0, 1.0),
-                ];
-                (channels(row.beta[0], row.beta[1], row.beta[2]), weights)
-            }
+            ReadingAxis::Xyz => xyz_channels(convention)?(row.beta[0], row.beta[1], row.beta[2]),
             ReadingAxis::Wavelengths(grid) => {
                 let system = ColourSystem::new(grid, convention.clone())?;
-                system.require()?;
                 let xyz = system.xyz(&row.beta);
                 let [r, g, b] = system.linear_rgb(xyz).0;
-                ([r, g, b, xyz.y], system.channel_weights())
+                [r, g, b, xyz.y]
             }
         };
         let mut covariance = [[0.0; 4]; 4];
@@ -100,14 +85,21 @@ impl Sample {
         }))
     }
 
+    /// What a unit of each value of [`Sample::raw`] adds to r, g, b and y, as in [`Sample::reading`]; none for published
+    /// ratios.
+    ///
+    /// # Errors
+    /// As [`Sample::reading`]: wavelengths that cannot carry a colour, tables that do not cover them.
+    pub fn channel_weights(&self, convention: &Convention) -> Result<Vec<[f64; 4]>, SampleError> {
+        match self.axis() {
+            Some(axis) => axis.channel_weights(convention),
+            None => Ok(Vec::new()),
+        }
+    }
+
     /// Whether the convention's tables cover the sample's wavelengths, without which there is no [`Sample::reading`].
     pub fn check_convention(&self, convention: &Convention) -> Result<(), SampleError> {
-        let axis = match &self.data {
-            Data::SampleCurves(curves) => curves.axis(),
-            Data::Goniometric(data) => data.axis(),
-            Data::Ratios(_) => return Ok(()),
-        };
-        if let ReadingAxis::Wavelengths(grid) = axis {
+        if let Some(ReadingAxis::Wavelengths(grid)) = self.axis() {
             ColourSystem::new(grid, convention.clone())?;
         }
         Ok(())
@@ -115,17 +107,12 @@ impl Sample {
 
     /// Why the colours of these spectral data are doubtful, or missing, under a convention.
     pub fn colour_doubt(&self, convention: &Convention) -> Result<Option<String>, SampleError> {
-        let axis = match &self.data {
-            Data::SampleCurves(curves) => curves.axis(),
-            Data::Goniometric(data) => data.axis(),
-            Data::Ratios(_) => return Ok(None),
-        };
-        match axis {
-            ReadingAxis::Wavelengths(grid) => {
+        match self.axis() {
+            Some(ReadingAxis::Wavelengths(grid)) => {
                 let system = ColourSystem::new(grid, convention.clone())?;
                 Ok(system.doubt().map(str::to_owned))
             }
-            ReadingAxis::Rgb | ReadingAxis::Xyz => Ok(None),
+            Some(ReadingAxis::Rgb | ReadingAxis::Xyz) | None => Ok(None),
         }
     }
 
@@ -140,10 +127,15 @@ impl Sample {
 
     /// Whether the readings are linear RGB of some space, not spectra or XYZ.
     pub fn is_rgb(&self) -> bool {
+        self.axis() == Some(&ReadingAxis::Rgb)
+    }
+
+    /// What the values of a reading stand for; none for published ratios.
+    pub(super) fn axis(&self) -> Option<&ReadingAxis> {
         match &self.data {
-            Data::SampleCurves(curves) => *curves.axis() == ReadingAxis::Rgb,
-            Data::Goniometric(data) => *data.axis() == ReadingAxis::Rgb,
-            Data::Ratios(_) => false,
+            Data::SampleCurves(curves) => Some(curves.axis()),
+            Data::Goniometric(data) => Some(data.axis()),
+            Data::Ratios(_) => None,
         }
     }
 
@@ -161,6 +153,41 @@ impl Sample {
             Data::Ratios(_) => None,
         }
     }
+}
+
+impl ReadingAxis {
+    /// What a unit of each value adds to r, g, b and y.
+    fn channel_weights(&self, convention: &Convention) -> Result<Vec<[f64; 4]>, SampleError> {
+        match self {
+            Self::Rgb => {
+                let [r, g, b] = convention.rgb.luminance_row();
+                Ok(vec![[1.0, 0.0, 0.0, r], [0.0, 1.0, 0.0, g], [0.0, 0.0, 1.0, b]])
+            }
+            Self::Xyz => {
+                let channels = xyz_channels(convention)?;
+                Ok(vec![
+                    channels(1.0, 0.0, 0.0),
+                    channels(0.0, 1.0, 0.0),
+                    channels(0.0, 0.0, 1.0),
+                ])
+            }
+            Self::Wavelengths(grid) => {
+                let system = ColourSystem::new(grid, convention.clone())?;
+                system.require()?;
+                Ok(system.channel_weights())
+            }
+        }
+    }
+}
+
+/// r, g, b and y of X, Y, Z.
+fn xyz_channels(convention: &Convention) -> Result<impl Fn(f64, f64, f64) -> [f64; 4], SampleError> {
+    // Without adaptation the matrix is the same for every grid.
+    let system = ColourSystem::new(&WavelengthGrid::preprint(), convention.clone())?;
+    Ok(move |x, y, z| {
+        let [r, g, b] = system.linear_rgb(Xyz { x, y, z }).0;
+        [r, g, b, y]
+    })
 }
 
 impl SampleCurves {

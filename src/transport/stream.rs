@@ -16,6 +16,7 @@ pub enum Purpose {
     Locality = 10,
     Sights = 11,
     Straight = 12,
+    Fit = 13,
 }
 
 /// The only source of random numbers. Each (seed, purpose, direction, batch, wavelength) has its own stream,

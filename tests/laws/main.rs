@@ -13,6 +13,8 @@ mod cloth_tubes;
 mod coverage;
 mod estimators;
 mod fibre_gloss;
+mod fit_readings;
+mod least_squares;
 mod rig_view;
 mod shading;
 mod stop_rules;

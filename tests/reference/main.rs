@@ -6,6 +6,7 @@ mod golden;
 mod colour;
 mod compare_study;
 mod formats_hemispherical;
+mod least_squares;
 mod optics;
 mod transport_references;
 mod validate_closed_forms;

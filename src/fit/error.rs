@@ -1,0 +1,76 @@
+use crate::sample::SampleError;
+use crate::shading::ShadingError;
+
+/// Why there is no fit.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FitError {
+    #[error("{sample}: expected readings to fit to, found {found}; {remedy}")]
+    NoReadings {
+        sample: String,
+        found: &'static str,
+        remedy: &'static str,
+    },
+    #[error("{sample}: expected reflection, which {model} describes, found transmission; fit a physical model to it")]
+    Transmission { sample: String, model: &'static str },
+    #[error(
+        "expected at most as many free parameters as readings, found {parameters} free parameters ({names}) and {readings} \
+         readings; fix some of them, or add geometries"
+    )]
+    TooFewReadings {
+        parameters: usize,
+        names: String,
+        readings: usize,
+    },
+    #[error(
+        "bounds of {name}: expected a lower bound below the upper one, found [{low}, {high}]{unit}; exchange or widen them"
+    )]
+    Bounds {
+        name: String,
+        low: f64,
+        high: f64,
+        unit: String,
+    },
+    #[error(
+        "bounds of {name}: expected bounds above 0 on a logarithmic scale, found [{low}, {high}]{unit}; raise the lower bound or take a linear scale"
+    )]
+    LogarithmicBounds {
+        name: String,
+        low: f64,
+        high: f64,
+        unit: String,
+    },
+    #[error(
+        "prior of {name}: expected a finite mean and a standard deviation above 0, found mean {mean} and standard deviation {sd}{unit}; on a logarithmic scale the mean is above 0 too"
+    )]
+    Prior {
+        name: String,
+        mean: f64,
+        sd: f64,
+        unit: String,
+    },
+    #[error("start of {name}: expected a value from {low} to {high}{unit}, found {found}; move it between the bounds")]
+    Start {
+        name: String,
+        low: f64,
+        high: f64,
+        unit: String,
+        found: f64,
+    },
+    #[error(
+        "expected a start for each of {expected} free parameters, found {found}; without bounds on both sides a parameter needs one"
+    )]
+    Starts { expected: usize, found: usize },
+    #[error("the model has no finite value at any start; the last was {at}; narrow the bounds of the parameters")]
+    NotFinite { at: String },
+    #[error(
+        "the model's number of values changed from {expected} to {found}; compare the same geometries in every call"
+    )]
+    Length { expected: usize, found: usize },
+    /// Of the model that is fitted, in its own words.
+    #[error("{0}")]
+    Model(String),
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+    #[error(transparent)]
+    Shading(#[from] ShadingError),
+}
