@@ -88,7 +88,7 @@ fn dialects() {
         (rising.clone(), None, None)
     );
     assert!(
-        bare.warnings.iter().any(|w| *w == DraftNotice::RisingShedAssumed),
+        bare.warnings.contains(&DraftNotice::RisingShedAssumed),
         "{:?}",
         bare.warnings
     );
