@@ -10,7 +10,7 @@ mod stated;
 mod system;
 
 pub use convention::{Adaptation, Convention, RgbSpace};
-pub use difference::delta_e_2000;
+pub use difference::{delta_e_2000, delta_e_cmc};
 pub use source::{Illuminant, Observer, TableFile};
 pub use stated::Stated;
 pub use system::ColourSystem;

@@ -20,18 +20,29 @@ pub enum Channel {
     Red,
     Green,
     Blue,
+    /// Of samples that have no other.
+    Luminance,
     /// Vacuum wavelength, nm.
     Wavelength(f64),
 }
 
 impl Channel {
-    /// `r`, `g`, `b`, or the wavelength as `550 nm`.
+    /// `r`, `g`, `b`, `y`, or the wavelength as `550 nm`.
     pub fn name(self) -> String {
         match self {
             Self::Red => "r".into(),
             Self::Green => "g".into(),
             Self::Blue => "b".into(),
+            Self::Luminance => "y".into(),
             Self::Wavelength(nm) => format!("{nm} nm"),
+        }
+    }
+
+    /// Wavelength in nm; none of red, green, blue and luminance.
+    pub fn wavelength_nm(self) -> Option<f64> {
+        match self {
+            Self::Wavelength(nm) => Some(nm),
+            Self::Red | Self::Green | Self::Blue | Self::Luminance => None,
         }
     }
 }
@@ -90,6 +101,7 @@ impl FitReadings {
                 // A laser's wavelength is fitted as well as any, though it has no colour.
                 (channels, vec![1.0; width], weights.ok())
             }
+            None if sample.is_luminance() => (vec![Channel::Luminance], vec![1.0], Some(weights?)),
             None => {
                 let weights = weights?;
                 let luminance = convention.rgb.luminance_row();

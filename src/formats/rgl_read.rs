@@ -16,6 +16,9 @@ use crate::spectrum::WavelengthGrid;
 /// Element sizes by the file's type code.
 const SIZES: [u8; 12] = [0, 1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8];
 
+/// Incidences above it, 89.9 degrees, are those of the horizon.
+const HORIZON_RAD: f32 = 1.569;
+
 /// An array's place in the file.
 struct Field {
     element: u8,
@@ -112,6 +115,8 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
             ));
         }
     };
+    let mut warnings = Vec::new();
+    let seen = file.mask(&theta_i, phi_i.len(), square.unwrap_or(0), &mut warnings)?;
     let description = String::from_utf8_lossy(file.bytes_of("description")?).into_owned();
     let arrays = Arrays {
         isotropic: phi_i.len() <= 2,
@@ -126,6 +131,7 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         size: square.unwrap_or(0),
         channels: channels.count(),
         values,
+        seen,
         jacobian,
     };
     if arrays.size < 2 {
@@ -145,7 +151,6 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
             "the file is no measurement as the format has it: export it again",
         )
     })?;
-    let mut warnings = Vec::new();
     if channels == ChannelSet::Rgb {
         warnings.push(ReadNotice::RgbPrimariesNotStated);
     }
@@ -327,6 +332,49 @@ impl File<'_> {
     fn bytes_of(&self, name: &str) -> Result<&[u8], FormatError> {
         let field = self.field(name, U8)?;
         Ok(&self.bytes[field.offset..field.offset + field.count])
+    }
+
+    /// Which nodes the instrument saw: one bit each, the highest of a byte first. `None` of files without the array,
+    /// which the format does not demand.
+    fn mask(
+        &self,
+        theta_i: &[f32],
+        azimuths: usize,
+        square: usize,
+        warnings: &mut Vec<String>,
+    ) -> Result<Option<Vec<bool>>, FormatError> {
+        if !self.fields.contains_key("valid") {
+            return Ok(None);
+        }
+        let slice = square * square;
+        let nodes = azimuths * theta_i.len() * slice;
+        let bytes = self.bytes_of("valid")?;
+        if bytes.len() != nodes.div_ceil(8) {
+            warnings.push(format!(
+                "the mask `valid` is not used: expected {} bytes, a bit for each of {nodes} nodes, found {}",
+                nodes.div_ceil(8),
+                bytes.len()
+            ));
+            return Ok(None);
+        }
+        let bit = |node: usize| bytes[node / 8] >> (7 - node % 8) & 1 == 1;
+        let unseen = (0..nodes).filter(|&node| !bit(node)).count();
+        if unseen > 0 {
+            warnings.push(format!(
+                "the mask `valid` says that the instrument did not see {unseen} of {nodes} nodes, which hold values that were \
+                 filled in: they are part of the table, but no readings of a sample"
+            ));
+        }
+        // No light falls on a sample from its horizon: the slice there continues the last measured one, whatever its mask.
+        let at_horizon = |node: usize| theta_i[node / slice % theta_i.len()] > HORIZON_RAD;
+        if (0..nodes).any(|node| bit(node) && at_horizon(node)) {
+            warnings.push(
+                "values at 90 degrees of incidence, from where no light falls on a sample, are a continuation: part of the table, \
+                 but no readings of a sample"
+                    .to_owned(),
+            );
+        }
+        Ok(Some((0..nodes).map(|node| bit(node) && !at_horizon(node)).collect()))
     }
 
     /// An array of finite values, 0 or more but for angles; lengths that are known must be these.

@@ -135,4 +135,6 @@ pub enum Placement {
     Interpolated,
     /// The mean over a patch or cell, as stored in the file.
     InCell,
+    /// Made, wholly or in part, of nodes that the instrument did not see and the maker of the file filled in.
+    FilledIn,
 }

@@ -56,6 +56,8 @@ pub(crate) struct Arrays {
     pub(crate) size: usize,
     pub(crate) channels: usize,
     pub(crate) values: Vec<f32>,
+    /// Whether the instrument saw a node, in the order φ_i, θ_i, y, x; `None` of files without a mask.
+    pub(crate) seen: Option<Vec<bool>>,
     pub(crate) jacobian: bool,
 }
 
@@ -325,7 +327,16 @@ impl Warped {
         let s = self.inverse_warp(&slices, y, x);
         let ((row, ty), (column, tx)) = (place(s[0], a.size), place(s[1], a.size));
         let mut values = vec![0.0; a.channels];
+        let mut filled_in = false;
         for &(slice, weight) in slices.iter().filter(|(_, weight)| *weight != 0.0) {
+            if let Some(seen) = &a.seen {
+                let corners = [(0, 0), (0, 1), (1, 0), (1, 1)];
+                let weights = [(1.0 - ty) * (1.0 - tx), (1.0 - ty) * tx, ty * (1.0 - tx), ty * tx];
+                let node = |(r, c): (usize, usize)| (slice * a.size + row + r) * a.size + column + c;
+                // Less is what rounding lends a node.
+                let used = |share: f64| weight * share > 1e-6;
+                filled_in |= std::iter::zip(corners, weights).any(|(at, share)| used(share) && !seen[node(at)]);
+            }
             for (channel, value) in values.iter_mut().enumerate() {
                 let table = (slice * a.channels + channel) * a.size * a.size + row * a.size + column;
                 let at = |r: usize, c: usize| f64::from(a.values[table + r * a.size + c]);
@@ -342,7 +353,9 @@ impl Warped {
         }
         values.iter_mut().for_each(|v| *v = v.max(0.0));
         let near = |t: f64| t.min(1.0 - t) < 1e-4;
-        let placement = if on_slice && near(tx) && near(ty) {
+        let placement = if filled_in {
+            Placement::FilledIn
+        } else if on_slice && near(tx) && near(ty) {
             Placement::OnNode
         } else {
             Placement::Interpolated

@@ -82,7 +82,9 @@ pub fn report(
     let place = reference(&curves.geometries, &measured[0]);
     if let Some((place, reading)) = place.and_then(|place| Some((place, measured[0][place]?))) {
         shaded = shadings(plan, simulation, classical, &reading)?;
-        hue = compare::hue(&propagation, place, &plan.colour);
+        if !plan.sample.is_luminance() {
+            hue = compare::hue(&propagation, place, &plan.colour);
+        }
     }
     let shadings: Vec<Compared<Channels>> = shaded
         .iter()

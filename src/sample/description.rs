@@ -30,6 +30,24 @@ pub struct Description {
     pub relative_standard_uncertainty: Option<f64>,
     /// What the RGB columns are, in words.
     pub colour: Option<String>,
+    /// The file of the readings, beside `sample.toml`; `data.csv` if it is not stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub data: Option<String>,
+    /// What the one channel of a file without colour is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<OneChannel>,
+    /// Whether the sample scatters alike at every azimuth of the plane of incidence, so that a model's mean over the
+    /// cloth's azimuth is to be compared with it. Not stated: not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub isotropic: Option<bool>,
+}
+
+/// What one channel is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OneChannel {
+    /// Luminous: weighted by an illuminant and the CIE's ȳ(λ).
+    Luminance,
 }
 
 /// Where the standard errors of a sample's readings come from.

@@ -10,10 +10,10 @@ pub enum SampleError {
     #[error("{path}: cannot be read: {reason}; check its name, its size and the right to read it")]
     Read { path: String, reason: String },
     #[error(
-        "{folder}: a sample's folder holds sample.toml and data.csv, there is no {missing}; write it, or name the CSV \
-         file itself"
+        "{folder}: a sample's folder holds sample.toml and data.csv, or the file that sample.toml names with data = \"...\"; \
+         there is no {missing}; write it, or name the file of readings itself"
     )]
-    Incomplete { folder: String, missing: &'static str },
+    Incomplete { folder: String, missing: String },
     #[error("{path}: {message}")]
     Description { path: String, message: String },
     #[error(transparent)]

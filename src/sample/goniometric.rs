@@ -1,4 +1,4 @@
-use super::description::Chosen;
+use super::description::{Chosen, Description, OneChannel};
 use super::error::SampleError;
 use super::notice::SampleNotice;
 use super::row::{ReadingAxis, SampleRow, unit_doubts};
@@ -27,7 +27,13 @@ pub(super) struct GoniometricData {
 }
 
 impl GoniometricData {
-    pub(super) fn new(path: &str, data: Goniometric, relative_se: f64, chosen: Chosen) -> Result<Self, SampleError> {
+    pub(super) fn new(
+        path: &str,
+        description: &Description,
+        data: Goniometric,
+        chosen: Chosen,
+    ) -> Result<Self, SampleError> {
+        let relative_se = description.relative_standard_uncertainty.unwrap_or(0.0);
         let refuse = |expected: &str, found: &str, remedy: &str| SampleError::NotComparable {
             path: path.into(),
             expected: expected.into(),
@@ -59,11 +65,17 @@ impl GoniometricData {
         let (axis, channels) = match &component.channels {
             ChannelSet::Rgb => (ReadingAxis::Rgb, 0..3),
             ChannelSet::Xyz => (ReadingAxis::Xyz, 0..3),
+            ChannelSet::Monochrome if description.channel == Some(OneChannel::Luminance) => {
+                notices.push(SampleNotice::LuminanceAlone);
+                (ReadingAxis::Luminance, 0..1)
+            }
             ChannelSet::Monochrome => {
                 return Err(refuse(
                     "spectra, XYZ or RGB",
                     "one channel",
-                    "one channel has no colour; `specval inspect` shows it, `specval convert` writes it in another format",
+                    "one channel has no colour; if it is luminance, put the file into a folder with a sample.toml that says \
+                     channel = \"luminance\" and data = the file's name; `specval inspect` shows it, `specval convert` writes \
+                     it in another format",
                 ));
             }
             ChannelSet::Wavelengths(grid) => {
@@ -105,10 +117,24 @@ impl GoniometricData {
                 .flat_map(|theta_i| views().map(move |theta_v| (theta_i, theta_v)))
                 .collect(),
         };
-        this.rows = pairs
-            .into_iter()
-            .filter_map(|(theta_i, theta_v)| Some(this.at(theta_i, theta_v)?.0))
-            .collect();
+        let mut unseen = 0;
+        let mut rows = Vec::with_capacity(pairs.len());
+        for (theta_i, theta_v) in pairs {
+            match this.evaluate(theta_i, theta_v) {
+                Some((_, Placement::FilledIn)) => unseen += 1,
+                Some((row, _)) => rows.push(row),
+                None => {}
+            }
+        }
+        if unseen > 0 {
+            let of = unseen + rows.len();
+            this.notices.push(SampleNotice::NotSeen { count: unseen, of });
+        }
+        if let Table::Klems(matrix) = &this.component.table {
+            let patches = [matrix.incident().count(), matrix.exiting().count()];
+            this.notices.push(SampleNotice::PatchMeans { patches });
+        }
+        this.rows = rows;
         if let Table::Scattered(table) = &this.component.table {
             this.outside_plane = table.readings().len().saturating_sub(this.rows.len());
         }
@@ -157,8 +183,21 @@ impl GoniometricData {
         &self.rows
     }
 
-    /// β at a geometry, and whether the file has no value at the very place.
+    /// β at a geometry, and whether the file has no value at the very place. `None` too where the instrument did not
+    /// read what the file has.
     pub(super) fn at(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(SampleRow, bool)> {
+        match self.evaluate(theta_i_deg, theta_v_deg)? {
+            (_, Placement::FilledIn) => None,
+            (row, placement) => Some((row, placement != Placement::OnNode)),
+        }
+    }
+
+    /// Whether the table has no azimuths of incidence.
+    pub(super) fn is_isotropic(&self) -> bool {
+        self.component.is_isotropic()
+    }
+
+    fn evaluate(&self, theta_i_deg: f64, theta_v_deg: f64) -> Option<(SampleRow, Placement)> {
         let omega_in = direction(-theta_i_deg.to_radians(), 0.0);
         let omega_out = direction(theta_v_deg.to_radians(), 0.0);
         let evaluation = self.component.eval(&omega_in, &omega_out)?;
@@ -175,7 +214,7 @@ impl GoniometricData {
             beta,
             se,
         };
-        Some((row, evaluation.placement != Placement::OnNode))
+        Some((row, evaluation.placement))
     }
 }
 

@@ -19,29 +19,35 @@ use crate::text::{Heading, heading};
 struct BuiltIn {
     name: &'static str,
     description: &'static str,
-    data: &'static str,
+    data: &'static [u8],
 }
 
 macro_rules! built_in {
-    ($name:literal) => {
+    ($name:literal, $data:literal) => {
         BuiltIn {
             name: $name,
             description: include_str!(concat!("../../measurements/", $name, "/sample.toml")),
-            data: include_str!(concat!("../../measurements/", $name, "/data.csv")),
+            data: include_bytes!(concat!("../../measurements/", $name, "/", $data)),
         }
     };
 }
 
-const BUILT_IN: [BuiltIn; 3] = [
-    built_in!("merl-red-fabric"),
-    built_in!("merl-red-fabric2"),
-    built_in!("voloboy2008-cotton"),
+const COTTON: BuiltIn = built_in!("voloboy2008-cotton", "data.csv");
+const BUILT_IN: [BuiltIn; 6] = [
+    built_in!("merl-red-fabric", "data.csv"),
+    built_in!("merl-red-fabric2", "data.csv"),
+    COTTON,
+    built_in!("rgl-acrylic-felt-pink", "acrylic_felt_pink_rgb.bsdf"),
+    built_in!("rgl-acrylic-felt-green", "acrylic_felt_green_rgb.bsdf"),
+    built_in!("mecho-6216", "klems_aniso_high.xml"),
 ];
+
+/// The file of readings in a sample's folder that states no other.
+const DATA: &str = "data.csv";
 
 /// Table 1 of the preprint: ratios of the real cotton and the range of its model.
 pub fn published_ratios() -> Result<PublishedRatios, SampleError> {
-    let cotton = &BUILT_IN[2];
-    Ok(ratios(&CsvTable::parse(cotton.name, cotton.data.as_bytes())?)?)
+    Ok(ratios(&CsvTable::parse(COTTON.name, COTTON.data)?)?)
 }
 
 impl Sample {
@@ -61,29 +67,35 @@ impl Sample {
     pub fn load_chosen(name_or_path: &str, chosen: Chosen) -> Result<Self, SampleError> {
         if let Some(known) = BUILT_IN.iter().find(|sample| sample.name == name_or_path) {
             let toml = format!("measurements/{}/sample.toml", known.name);
-            let csv = format!("measurements/{}/data.csv", known.name);
-            return Self::new(describe(&toml, known.description)?, &csv, known.data.as_bytes(), chosen);
+            let description = describe(&toml, known.description)?;
+            let path = format!("measurements/{}/{}", known.name, data_name(&description));
+            return Self::described(description, &path, known.data, chosen);
         }
         let path = Path::new(name_or_path);
         if path.is_dir() {
-            let member = |name: &'static str| {
+            let member = |name: &str| {
                 let member = path.join(name);
                 if member.exists() {
                     Ok(member)
                 } else {
                     Err(SampleError::Incomplete {
                         folder: name_or_path.into(),
-                        missing: name,
+                        missing: name.into(),
                     })
                 }
             };
-            let (toml, csv) = (member("sample.toml")?, member("data.csv")?);
+            let toml = member("sample.toml")?;
             let text = String::from_utf8(read(&toml)?).map_err(|e| SampleError::Description {
                 path: toml.display().to_string(),
                 message: format!("expected text in UTF-8: {e}"),
             })?;
             let description = describe(&toml.display().to_string(), &text)?;
-            Self::new(description, &csv.display().to_string(), &read(&csv)?, chosen)
+            let data = member(data_name(&description))?;
+            // Told its size and format before it is read as a whole.
+            if !is_csv(data_name(&description)) {
+                formats::format_of(&data)?;
+            }
+            Self::described(description, &data.display().to_string(), &read(&data)?, chosen)
         } else if path.exists() {
             let stem = path.file_stem().unwrap_or(path.as_os_str());
             let description = Description {
@@ -93,6 +105,9 @@ impl Sample {
                 kind: None,
                 relative_standard_uncertainty: None,
                 colour: None,
+                data: None,
+                channel: None,
+                isotropic: None,
             };
             match formats::format_of(path) {
                 // A folder or an empty file is told in the words of the reader of CSV.
@@ -100,20 +115,29 @@ impl Sample {
                     let bytes = read(path)?;
                     if is_over_the_sphere(&bytes) {
                         let data = formats::parse(name_or_path, &bytes, &ReadOptions::default())?;
-                        return Self::goniometric(description, data, &bytes, chosen);
+                        return Self::goniometric(name_or_path, description, data, &bytes, chosen);
                     }
                     Self::new(description, name_or_path, &bytes, chosen)
                 }
                 // Read for its values first: that refuses a file too large for its format.
                 Ok(_) => {
                     let data = formats::read(path, &ReadOptions::default())?;
-                    Self::goniometric(description, data, &read(path)?, chosen)
+                    Self::goniometric(name_or_path, description, data, &read(path)?, chosen)
                 }
             }
         } else {
             let known = BUILT_IN.iter().map(|sample| sample.name);
             Err(SampleError::Unknown(UnknownName::new("sample", name_or_path, known)))
         }
+    }
+
+    /// The file beside a `sample.toml`, of whichever format.
+    fn described(description: Description, path: &str, bytes: &[u8], chosen: Chosen) -> Result<Self, SampleError> {
+        if is_csv(path) && !is_over_the_sphere(bytes) {
+            return Self::new(description, path, bytes, chosen);
+        }
+        let data = formats::parse(path, bytes, &ReadOptions::default())?;
+        Self::goniometric(path, description, data, bytes, chosen)
     }
 
     pub fn built_in_names() -> impl Iterator<Item = &'static str> {
@@ -124,7 +148,7 @@ impl Sample {
         match (&self.data, self.description.relative_standard_uncertainty) {
             (Data::SampleCurves(curves), _) if curves.has_se() => Uncertainty::Columns,
             (Data::Goniometric(data), _) if data.has_se() => Uncertainty::Columns,
-            (Data::SampleCurves(_), Some(relative)) => Uncertainty::Relative(relative),
+            (Data::SampleCurves(_) | Data::Goniometric(_), Some(relative)) => Uncertainty::Relative(relative),
             _ => Uncertainty::NotStated,
         }
     }
@@ -152,19 +176,33 @@ impl Sample {
     }
 
     fn goniometric(
+        path: &str,
         description: Description,
         data: Goniometric,
         bytes: &[u8],
         chosen: Chosen,
     ) -> Result<Self, SampleError> {
-        let relative_se = description.relative_standard_uncertainty.unwrap_or(0.0);
-        let data = GoniometricData::new(&description.source, data, relative_se, chosen)?;
+        let data = GoniometricData::new(path, &description, data, chosen)?;
         Ok(Self {
-            description,
+            // A file without azimuths of incidence is isotropic by its format.
+            description: Description {
+                isotropic: description.isotropic.or(data.is_isotropic().then_some(true)),
+                ..description
+            },
             data: Data::Goniometric(Box::new(data)),
             digest: digest(bytes),
         })
     }
+}
+
+fn data_name(description: &Description) -> &str {
+    description.data.as_deref().unwrap_or(DATA)
+}
+
+fn is_csv(path: &str) -> bool {
+    Path::new(path)
+        .extension()
+        .is_some_and(|it| it.eq_ignore_ascii_case("csv"))
 }
 
 /// Whether a CSV has readings outside the plane of incidence, in the columns of `formats`.
@@ -194,6 +232,14 @@ fn describe(path: &str, text: &str) -> Result<Description, SampleError> {
         return Err(refuse(
             "kind is missing: expected \"measured\", \"fit\" or \"synthetic\"".into(),
         ));
+    }
+    if let Some(data) = description.data.as_deref() {
+        let path = Path::new(data);
+        if path.file_name() != Some(path.as_os_str()) {
+            return Err(refuse(format!(
+                "data: expected the name of a file in the same folder, found '{data}'; put the readings beside sample.toml"
+            )));
+        }
     }
     match description.relative_standard_uncertainty {
         Some(u) if !(0.0..1.0).contains(&u) => Err(refuse(format!(

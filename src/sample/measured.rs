@@ -128,11 +128,21 @@ impl Sample {
         }
     }
 
+    /// Whether the sample scatters alike at every azimuth: as `sample.toml` says, else `None` where that is not known.
+    pub fn is_isotropic(&self) -> Option<bool> {
+        self.description.isotropic
+    }
+
+    /// Whether the readings are of luminance alone, without colour.
+    pub fn is_luminance(&self) -> bool {
+        matches!(&self.data, Data::Goniometric(data) if *data.axis() == ReadingAxis::Luminance)
+    }
+
     /// Wavelengths in nm that the values of [`Sample::raw`] stand at; `None` for RGB and XYZ.
     pub fn wavelengths_nm(&self) -> Option<&[f64]> {
         match self.axis()? {
             ReadingAxis::Wavelengths(grid) => Some(grid.nm()),
-            ReadingAxis::Rgb | ReadingAxis::Xyz => None,
+            ReadingAxis::Rgb | ReadingAxis::Xyz | ReadingAxis::Luminance => None,
         }
     }
 }

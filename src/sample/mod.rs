@@ -15,7 +15,7 @@ mod ratios;
 mod reading;
 mod row;
 
-pub use description::{Chosen, Description, SampleKind, Uncertainty};
+pub use description::{Chosen, Description, OneChannel, SampleKind, Uncertainty};
 pub use error::SampleError;
 pub use load::published_ratios;
 pub use measured::{RawReading, Sample};

@@ -32,6 +32,12 @@ pub enum SampleNotice {
         component: String,
         others: Vec<String>,
     },
+    /// Geometries, of so many, whose values the instrument did not read.
+    NotSeen { count: usize, of: usize },
+    /// Values that are means over so many patches of the incident hemisphere and of the other.
+    PatchMeans { patches: [usize; 2] },
+    /// One channel that stands for r, g and b too.
+    LuminanceAlone,
 }
 
 impl SampleNotice {
@@ -100,6 +106,20 @@ impl Display for SampleNotice {
                 f,
                 "{path}: the sample is the {component}; the file also has, and --scatter and --side choose: {}",
                 others.join(", ")
+            ),
+            Self::NotSeen { count, of } => write!(
+                f,
+                "{count} of {of} geometries of the sample, at its own incidences with views every 5 degrees, need values that \
+                 the instrument did not read but the file's maker filled in: left out"
+            ),
+            Self::PatchMeans { patches: [light, view] } => write!(
+                f,
+                "values of the sample are means over {light} patches of directions of light by {view} of views: a geometry has \
+                 the mean of its patches, which smooths peaks narrower than they are"
+            ),
+            Self::LuminanceAlone => f.write_str(
+                "the sample has luminance alone: its channels r, g and b repeat it, as those of a grey cloth would, and only y \
+                 compares like with like",
             ),
         }
     }

@@ -62,6 +62,7 @@ impl Sample {
                 let rgb = LinearRgb([row.beta[0], row.beta[1], row.beta[2]]);
                 [rgb.0[0], rgb.0[1], rgb.0[2], convention.rgb.luminance(rgb)]
             }
+            ReadingAxis::Luminance => [row.beta[0]; 4],
             ReadingAxis::Xyz => xyz_channels(convention)?(row.beta[0], row.beta[1], row.beta[2]),
             ReadingAxis::Wavelengths(grid) => {
                 let system = ColourSystem::new(grid, convention.clone())?;
@@ -112,7 +113,7 @@ impl Sample {
                 let system = ColourSystem::new(grid, convention.clone())?;
                 Ok(system.doubt().map(str::to_owned))
             }
-            Some(ReadingAxis::Rgb | ReadingAxis::Xyz) | None => Ok(None),
+            Some(ReadingAxis::Rgb | ReadingAxis::Xyz | ReadingAxis::Luminance) | None => Ok(None),
         }
     }
 
@@ -171,6 +172,7 @@ impl ReadingAxis {
                     channels(0.0, 0.0, 1.0),
                 ])
             }
+            Self::Luminance => Ok(vec![[1.0; 4]]),
             Self::Wavelengths(grid) => {
                 let system = ColourSystem::new(grid, convention.clone())?;
                 system.require()?;

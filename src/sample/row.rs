@@ -6,6 +6,8 @@ use crate::spectrum::{Doubt, WavelengthGrid};
 pub(super) enum ReadingAxis {
     Rgb,
     Xyz,
+    /// One channel, luminous.
+    Luminance,
     Wavelengths(WavelengthGrid),
 }
 

@@ -16,6 +16,7 @@ mod formats_tables;
 mod formats_write;
 mod report;
 mod report_graphs;
+mod sample_bundled;
 mod sample_load;
 mod spectrum_tables;
 mod study;

@@ -132,6 +132,7 @@ struct Measured<'a> {
     /// Lowest and highest brightness factor.
     beta: Option<[f64; 2]>,
     uncertainty: Uncertainty,
+    warnings: Vec<String>,
 }
 
 pub fn sample(sample: &Sample, terminal: &Terminal) -> Result<(), Failure> {
@@ -150,6 +151,7 @@ pub fn sample(sample: &Sample, terminal: &Terminal) -> Result<(), Failure> {
             ]
         }),
         uncertainty: sample.uncertainty(),
+        warnings: sample.notices().iter().map(ToString::to_string).collect(),
     };
     terminal.result(&found, |of| {
         let mut text = format!(
@@ -165,6 +167,7 @@ pub fn sample(sample: &Sample, terminal: &Terminal) -> Result<(), Failure> {
             let _ = writeln!(text, "geometries   {}", of.geometries);
             let channels = match &of.wavelength_nm {
                 Some(nm) => format!("{} nm", nm.words()),
+                None if sample.is_luminance() => "one: luminance".to_owned(),
                 None => "three: RGB or XYZ".to_owned(),
             };
             let _ = writeln!(text, "channels     {channels}");
@@ -181,6 +184,7 @@ pub fn sample(sample: &Sample, terminal: &Terminal) -> Result<(), Failure> {
             Uncertainty::NotStated => "not stated".to_owned(),
         };
         let _ = writeln!(text, "uncertainty  {uncertainty}");
+        warned(&mut text, &of.warnings);
         text
     })
 }
