@@ -341,7 +341,7 @@ impl File<'_> {
         theta_i: &[f32],
         azimuths: usize,
         square: usize,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<ReadNotice>,
     ) -> Result<Option<Vec<bool>>, FormatError> {
         if !self.fields.contains_key("valid") {
             return Ok(None);
@@ -350,29 +350,22 @@ impl File<'_> {
         let nodes = azimuths * theta_i.len() * slice;
         let bytes = self.bytes_of("valid")?;
         if bytes.len() != nodes.div_ceil(8) {
-            warnings.push(format!(
-                "the mask `valid` is not used: expected {} bytes, a bit for each of {nodes} nodes, found {}",
-                nodes.div_ceil(8),
-                bytes.len()
-            ));
+            warnings.push(ReadNotice::MaskNotUsed {
+                nodes,
+                bytes: bytes.len(),
+            });
             return Ok(None);
         }
         let bit = |node: usize| bytes[node / 8] >> (7 - node % 8) & 1 == 1;
         let unseen = (0..nodes).filter(|&node| !bit(node)).count();
         if unseen > 0 {
-            warnings.push(format!(
-                "the mask `valid` says that the instrument did not see {unseen} of {nodes} nodes, which hold values that were \
-                 filled in: they are part of the table, but no readings of a sample"
-            ));
+            warnings.push(ReadNotice::UnseenNodes { unseen, nodes });
         }
-        // No light falls on a sample from its horizon: the slice there continues the last measured one, whatever its mask.
+        // No light falls on a sample from its horizon: the slice there continues the last measured one, whatever its
+        // mask.
         let at_horizon = |node: usize| theta_i[node / slice % theta_i.len()] > HORIZON_RAD;
         if (0..nodes).any(|node| bit(node) && at_horizon(node)) {
-            warnings.push(
-                "values at 90 degrees of incidence, from where no light falls on a sample, are a continuation: part of the table, \
-                 but no readings of a sample"
-                    .to_owned(),
-            );
+            warnings.push(ReadNotice::ContinuedToHorizon);
         }
         Ok(Some((0..nodes).map(|node| bit(node) && !at_horizon(node)).collect()))
     }

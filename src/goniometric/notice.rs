@@ -104,6 +104,18 @@ pub enum ReadNotice {
     BytesBehindArrays {
         bytes: usize,
     },
+    /// A mask of so many bytes, which is not a bit for each node.
+    MaskNotUsed {
+        nodes: usize,
+        bytes: usize,
+    },
+    /// Nodes that the mask excludes, of all.
+    UnseenNodes {
+        unseen: usize,
+        nodes: usize,
+    },
+    /// Values at 90 degrees of incidence, which the mask takes as measured.
+    ContinuedToHorizon,
 }
 
 impl From<TextNotice> for ReadNotice {
@@ -212,6 +224,20 @@ impl Display for ReadNotice {
                 "azimuths of a part of the circle are stored: the rest is taken as {symmetry}, as Mitsuba does"
             ),
             Self::BytesBehindArrays { bytes } => write!(f, "{bytes} bytes behind the last array are not used"),
+            Self::MaskNotUsed { nodes, bytes } => write!(
+                f,
+                "the mask `valid` is not used: expected {} bytes, a bit for each of {nodes} nodes, found {bytes}",
+                nodes.div_ceil(8)
+            ),
+            Self::UnseenNodes { unseen, nodes } => write!(
+                f,
+                "the mask `valid` says that the instrument did not see {unseen} of {nodes} nodes, which hold values \
+                 that were filled in: they are part of the table, but no readings of a sample"
+            ),
+            Self::ContinuedToHorizon => f.write_str(
+                "values at 90 degrees of incidence, from where no light falls on a sample, are a continuation: part \
+                 of the table, but no readings of a sample",
+            ),
         }
     }
 }
