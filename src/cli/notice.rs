@@ -42,11 +42,17 @@ impl Display for RunNotice {
             Self::Removed { path } => write!(f, "{}: of the earlier report in this folder, removed", in_words(path)),
             Self::Left { path } => write!(
                 f,
-                "{}: not of this report; it stays, as it was changed or no report has it on record: remove it if it is not yours",
+                "{}: not of this report; it stays, as it was changed or no report has it on record: remove it if it is \
+                 not yours",
                 in_words(path)
             ),
         }
     }
+}
+
+/// Notices as users read them.
+pub fn worded<N: Display>(notices: &[N]) -> impl Iterator<Item = String> {
+    notices.iter().map(N::to_string)
 }
 
 /// The first of the same words about several spectra, and how many more there are.

@@ -45,3 +45,29 @@ pub fn delta_e_2000(one: Lab, two: Lab) -> f64 {
     let (dl, dc, dh) = (dl / s_l, dc / s_c, dh / s_h);
     (dl * dl + dc * dc + dh * dh + r_t * dc * dh).sqrt()
 }
+
+/// CMC l:c colour difference of a sample from a standard (F. J. J. Clarke, R. McDonald, B. Rigg, J. Soc. Dyers Colour.
+/// 100 (1984) 128; ISO 105-J03). It is not symmetric. Textiles are judged with l = 2, c = 1.
+pub fn delta_e_cmc(standard: Lab, sample: Lab, l: f64, c: f64) -> f64 {
+    let [l1, a1, b1] = standard.0;
+    let [l2, a2, b2] = sample.0;
+    let (c1, c2) = (a1.hypot(b1), a2.hypot(b2));
+    let (dl, dc) = (l2 - l1, c2 - c1);
+    let dh2 = ((a2 - a1).powi(2) + (b2 - b1).powi(2) - dc * dc).max(0.0);
+    let hue_deg = b1.atan2(a1).to_degrees().rem_euclid(360.0);
+    let cos_deg = |angle_deg: f64| angle_deg.to_radians().cos();
+    let t = match hue_deg {
+        164.0..=345.0 => 0.56 + (0.2 * cos_deg(hue_deg + 168.0)).abs(),
+        _ => 0.36 + (0.4 * cos_deg(hue_deg + 35.0)).abs(),
+    };
+    let c4 = c1.powi(4);
+    let f = (c4 / (c4 + 1900.0)).sqrt();
+    let s_l = if l1 < 16.0 {
+        0.511
+    } else {
+        0.040975 * l1 / (1.0 + 0.01765 * l1)
+    };
+    let s_c = 0.0638 * c1 / (1.0 + 0.0131 * c1) + 0.638;
+    let s_h = s_c * (f * t + 1.0 - f);
+    (dl / (l * s_l)).hypot(dc / (c * s_c)).hypot(dh2.sqrt() / s_h)
+}

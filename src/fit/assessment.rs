@@ -7,8 +7,8 @@ use serde::Serialize;
 
 /// Correlation from which on two parameters cannot be told apart.
 const CORRELATED: f64 = 0.99;
-/// Singular value, relative to the largest of the Jacobian with columns of unit length, below which the data say nothing
-/// of a combination of parameters. Derivatives by differences are good to less than this.
+/// Singular value, relative to the largest of the Jacobian with columns of unit length, below which the data say
+/// nothing of a combination of parameters. Derivatives by differences are good to less than this.
 const SINGULAR: f64 = 1e-6;
 /// Share of a parameter in such a combination from which on it is named.
 const TAKES_PART: f64 = 0.1;

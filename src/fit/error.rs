@@ -13,7 +13,8 @@ pub enum FitError {
     #[error("{sample}: expected reflection, which {model} describes, found transmission; fit a physical model to it")]
     Transmission { sample: String, model: &'static str },
     #[error(
-        "expected at most as many free parameters as readings, found {parameters} free parameters ({names}) and {readings} \
+        "expected at most as many free parameters as readings, found {parameters} free parameters ({names}) and \
+         {readings} \
          readings; fix some of them, or add geometries"
     )]
     TooFewReadings {
@@ -22,7 +23,8 @@ pub enum FitError {
         readings: usize,
     },
     #[error(
-        "bounds of {name}: expected a lower bound below the upper one, found [{low}, {high}]{unit}; exchange or widen them"
+        "bounds of {name}: expected a lower bound below the upper one, found [{low}, {high}]{unit}; exchange or widen \
+         them"
     )]
     Bounds {
         name: String,
@@ -31,7 +33,8 @@ pub enum FitError {
         unit: String,
     },
     #[error(
-        "bounds of {name}: expected bounds above 0 on a logarithmic scale, found [{low}, {high}]{unit}; raise the lower bound or take a linear scale"
+        "bounds of {name}: expected bounds above 0 on a logarithmic scale, found [{low}, {high}]{unit}; raise the \
+         lower bound or take a linear scale"
     )]
     LogarithmicBounds {
         name: String,
@@ -40,7 +43,8 @@ pub enum FitError {
         unit: String,
     },
     #[error(
-        "prior of {name}: expected a finite mean and a standard deviation above 0, found mean {mean} and standard deviation {sd}{unit}; on a logarithmic scale the mean is above 0 too"
+        "prior of {name}: expected a finite mean and a standard deviation above 0, found mean {mean} and standard \
+         deviation {sd}{unit}; on a logarithmic scale the mean is above 0 too"
     )]
     Prior {
         name: String,
@@ -57,7 +61,8 @@ pub enum FitError {
         found: f64,
     },
     #[error(
-        "expected a start for each of {expected} free parameters, found {found}; without bounds on both sides a parameter needs one"
+        "expected a start for each of {expected} free parameters, found {found}; without bounds on both sides a \
+         parameter needs one"
     )]
     Starts { expected: usize, found: usize },
     #[error("the model has no finite value at any start; the last was {at}; narrow the bounds of the parameters")]

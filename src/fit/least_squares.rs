@@ -10,6 +10,9 @@ use rand::seq::SliceRandom;
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 
+/// Callback of a search; `Break` ends it.
+pub type Watch<'a> = dyn Fn(&Progress) -> ControlFlow<()> + 'a;
+
 /// How a search goes.
 pub struct Settings<'a> {
     /// First start; the middle of the bounds where there is none.
@@ -23,7 +26,7 @@ pub struct Settings<'a> {
     pub most_evaluations: usize,
     pub differences: Differences,
     /// Told of every evaluation; `Break` ends the search with the best so far.
-    pub watch: Option<&'a dyn Fn(&Progress) -> ControlFlow<()>>,
+    pub watch: Option<&'a Watch<'a>>,
 }
 
 impl Default for Settings<'_> {

@@ -25,7 +25,8 @@ impl Display for FitNotice {
                 relative_of_mean,
             } => write!(
                 f,
-                "{readings} of {of} readings state no uncertainty: a standard uncertainty of {} % of the reading and {} % of \
+                "{readings} of {of} readings state no uncertainty: a standard uncertainty of {} % of the reading and \
+                 {} % of \
                  the mean of its channel, added in quadrature, is assumed",
                 significant(100.0 * relative, 3),
                 significant(100.0 * relative_of_mean, 3)

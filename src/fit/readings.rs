@@ -37,6 +37,14 @@ impl Channel {
             Self::Wavelength(nm) => format!("{nm} nm"),
         }
     }
+
+    /// Wavelength in nm; none of red, green, blue and luminance.
+    pub fn wavelength_nm(self) -> Option<f64> {
+        match self {
+            Self::Wavelength(nm) => Some(nm),
+            Self::Red | Self::Green | Self::Blue | Self::Luminance => None,
+        }
+    }
 }
 
 /// Readings of a sample that a model is fitted to: absolute brightness factors β as the sample has them, never

@@ -10,7 +10,7 @@ mod registry;
 mod specular;
 
 pub use fibre_gloss::FibreGloss;
-pub use model::{Basis, ClassicalModel, Parameter, Shading, ShadingModel};
+pub use model::{Basis, ClassicalModel, Lobes, Parameter, Shading, ShadingModel};
 pub use registry::{DEFAULT_MODELS, LambertCookTorrance, classical_model, classical_models};
 pub use specular::{Distribution, Specular};
 
@@ -50,6 +50,10 @@ pub enum ShadingError {
     Index { found: f64 },
     #[error("specular weight: expected a fraction from 0 to 1, found {found}")]
     Weight { found: f64 },
+    #[error("slope of the grooves: expected 0 to 90 degrees, found {found_deg}")]
+    Slope { found_deg: f64 },
+    #[error("roughness of the sheen: expected 0.05 to 1 (no unit), found {found}")]
+    Sheen { found: f64 },
     #[error("normal/normal reading of the sample: expected finite brightness factors r, g, b, y, found {found:?}")]
     Factor { found: [f64; 4] },
     #[error("{model}: expected a value for each of {}, found {found} values", expected.join(", "))]

@@ -87,6 +87,12 @@ impl Specular {
 
     /// Zero when the light or the viewer is in the cloth's plane or below it.
     pub fn brdf(&self, omega_in: &Vec3, omega_out: &Vec3) -> Brdf {
+        let blinn = |facet: &Facet| (2.0 * facet.n_h * facet.n_v.min(facet.n_l) / facet.v_h).min(1.0);
+        self.brdf_with(omega_in, omega_out, blinn)
+    }
+
+    /// [`Self::brdf`] with another geometric attenuation.
+    pub(super) fn brdf_with(&self, omega_in: &Vec3, omega_out: &Vec3, attenuation: impl Fn(&Facet) -> f64) -> Brdf {
         let (n_l, n_v) = (omega_in.z, omega_out.z);
         if n_l <= 0.0 || n_v <= 0.0 {
             return Brdf(0.0);
@@ -97,9 +103,18 @@ impl Specular {
         let length = sum.norm();
         let (n_h, v_h) = (sum.z / length, 0.5 * length);
         let d = self.distribution.density(n_h, self.roughness);
-        let g = (2.0 * n_h * n_v.min(n_l) / v_h).min(1.0);
+        let g = attenuation(&Facet { n_l, n_v, n_h, v_h });
         let f = fresnel::reflectance(v_h.min(1.0), self.index);
         let twice = if fault::active(Fault::GlossDoubled) { 2.0 } else { 1.0 };
         Brdf(twice * (self.weight * f * d * g / (4.0 * n_l * n_v)))
     }
+}
+
+/// Cosines at the facet that mirrors the light to the viewer: of light, viewer and facet normal from the cloth's
+/// normal, and of the angle between either direction and the facet's normal.
+pub(super) struct Facet {
+    pub(super) n_l: f64,
+    pub(super) n_v: f64,
+    pub(super) n_h: f64,
+    pub(super) v_h: f64,
 }

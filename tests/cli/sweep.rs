@@ -103,7 +103,7 @@ fn what_cannot_be_varied_is_refused_before_any_work() {
         (&["--vary", "medium.dye=1"], "a key whose value is a number"),
         (
             &["--vary", "medium.volume_fraction=0.1:2:3"],
-            "0 to below 0.74, found 2",
+            "0 to below 0.74, found 1.05",
         ),
         (&["--vary", "trace.tilts=1.5"], "whole number"),
         (&["--vary", "medium.kappa_peak=0.1:0.2"], "KEY=FROM:TO:COUNT"),

@@ -4,6 +4,7 @@
 mod batch_statistics;
 
 mod batches;
+mod classical_models;
 mod cloth_geometry;
 mod cloth_gloss;
 mod cloth_media;
@@ -17,11 +18,13 @@ mod fibre_gloss;
 mod fit_readings;
 mod least_squares;
 mod rig_view;
+mod rivals;
 mod shading;
 mod stop_rules;
 mod structure;
 mod study;
 mod transport;
+mod verdicts;
 mod woven;
 mod woven_views;
 mod yarn;

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use specval::colour::{
     Adaptation, ColourError, ColourSystem, Convention, Illuminant, Lab, LinearRgb, Observer, RgbSpace, delta_e_2000,
+    delta_e_cmc,
 };
 use specval::run::Plan;
 use specval::spectrum::{Spectrum, WavelengthGrid, tables};
@@ -375,8 +376,8 @@ fn files_of(rows: &[Vec<String>], titles: &[&str]) -> [String; 3] {
     let lines: String = rows.iter().map(|row| row.join("\t") + "\n").collect();
     let columns = titles.join(" ");
     let by_wavelength = format!(
-        "CGATS.17\nORIGINATOR \"a lamp\"\nNUMBER_OF_FIELDS {}\nBEGIN_DATA_FORMAT\nSPECTRAL_NM {columns}\nEND_DATA_FORMAT\n\
-         NUMBER_OF_SETS {}\nBEGIN_DATA\n{lines}END_DATA\n",
+        "CGATS.17\nORIGINATOR \"a lamp\"\nNUMBER_OF_FIELDS {}\nBEGIN_DATA_FORMAT\nSPECTRAL_NM \
+         {columns}\nEND_DATA_FORMAT\nNUMBER_OF_SETS {}\nBEGIN_DATA\n{lines}END_DATA\n",
         1 + titles.len(),
         rows.len()
     );
@@ -526,4 +527,60 @@ fn ciede2000_of_the_published_pairs() {
         let exact = (found - number(&row, "dE00_recomputed")).abs() < 1e-12;
         assert!(exact || (found - other).abs() < 5e-5, "pair {}: {found}", row["pair"]);
     }
+}
+
+/// Pairs of BYK-Gardner (brilliant red, brilliant yellow) and of the two calculators of B. Lindbloom and of
+/// colour-science, each to the digits that they print.
+#[test]
+fn cmc_colour_differences_are_those_of_other_programs() {
+    let pairs = [
+        ([38.64, 64.26, 52.16], [38.59, 62.06, 51.11], 2.0, 0.8423, 4),
+        ([38.83, 33.35, 26.67], [38.69, 31.14, 25.21], 2.0, 1.1297, 4),
+        ([84.25, 5.74, 96.0], [84.46, 8.88, 96.49], 2.0, 1.6364, 4),
+        ([84.25, 5.74, 96.0], [84.52, 5.75, 93.09], 2.0, 0.8770, 4),
+        ([84.25, 5.74, 96.0], [84.37, 5.86, 99.42], 2.0, 1.0221, 4),
+        ([100.0, -50.0, 50.0], [20.0, 10.0, -20.0], 1.0, 66.320207, 6),
+        ([100.0, -50.0, 50.0], [20.0, 10.0, -20.0], 2.0, 47.038863, 6),
+        ([100.0, 0.0, 0.0], [0.0, 0.0, 0.0], 2.0, 33.740085, 6),
+        (
+            [100.0, 21.57210357, 272.2281935],
+            [100.0, 426.67945353, 72.39590835],
+            2.0,
+            172.70477129,
+            8,
+        ),
+        (
+            [100.0, 21.57210357, 272.2281935],
+            [100.0, 74.05216981, 276.45318193],
+            2.0,
+            20.59732717,
+            8,
+        ),
+        (
+            [100.0, 21.57210357, 272.2281935],
+            [100.0, 8.32281957, -73.58297716],
+            1.0,
+            121.71841479,
+            8,
+        ),
+        (
+            [48.99183622, -0.10561667, 400.65619925],
+            [50.65907324, -0.1167191, 402.82235718],
+            2.0,
+            0.89969998,
+            8,
+        ),
+        ([50.0, 2.6772, -79.7751], [50.0, 0.0, -82.7485], 2.0, 1.7387, 4),
+    ];
+    for (standard, sample, l, expected, digits) in pairs {
+        let found = delta_e_cmc(Lab(standard), Lab(sample), l, 1.0);
+        let unit = 10f64.powi(-digits);
+        assert!(
+            (found - expected).abs() < unit,
+            "{standard:?} {sample:?}: {found}, {expected}"
+        );
+    }
+    // Dark standards have one lightness tolerance; the difference of lightness alone counts 1/l.
+    let dark = [2.0, 1.0].map(|l| delta_e_cmc(Lab([15.9, 0.0, 0.0]), Lab([16.9, 0.0, 0.0]), l, 1.0));
+    assert!((dark[1] - 1.0 / 0.511).abs() < 1e-12 && (dark[0] - 0.5 / 0.511).abs() < 1e-12);
 }

@@ -1,37 +1,14 @@
+use super::facets::{INDEX, ROUGHNESS, WEIGHT, finite, lambert_and, start};
 use crate::geometry::Vec3;
-use crate::shading::{Basis, ClassicalModel, Parameter, ShadingError, ShadingModel, Specular};
+use crate::shading::model::DIFFUSE;
+use crate::shading::{ClassicalModel, Lobes, ShadingError, ShadingModel, Specular};
 
 /// The preprint's classical model.
 pub(super) static MODEL: ClassicalModel = ClassicalModel {
     id: "lambert-cook-torrance",
     label: "Lambert + Cook–Torrance",
-    parameters: &[
-        Parameter {
-            name: "diffuse",
-            unit: "",
-            range: [0.0, 2.0],
-            meaning: "Lambert part, in units of the sample's brightness factor at the normal",
-        },
-        Parameter {
-            name: "roughness",
-            unit: "",
-            range: [0.001, 1.0],
-            meaning: "slope of the facets",
-        },
-        Parameter {
-            name: "index",
-            unit: "",
-            range: [1.0, 3.0],
-            meaning: "refractive index of the facets",
-        },
-        Parameter {
-            name: "weight",
-            unit: "",
-            range: [0.0, 1.0],
-            meaning: "fraction of the area that is facets",
-        },
-    ],
-    start: |Basis { specular, .. }| vec![1.0, specular.roughness(), specular.index(), specular.weight()],
+    parameters: &[DIFFUSE, ROUGHNESS, INDEX, WEIGHT],
+    start,
     build: |basis, values| {
         let &[diffuse, roughness, index, weight] = values else {
             return Err(MODEL.wrong_count(values));
@@ -60,20 +37,17 @@ impl LambertCookTorrance {
     /// # Errors
     /// Factors that are not finite.
     pub fn new(normal: [f64; 4], specular: Specular) -> Result<Self, ShadingError> {
-        if normal.iter().all(|factor| factor.is_finite()) {
-            Ok(Self { normal, specular })
-        } else {
-            Err(ShadingError::Factor { found: normal })
-        }
+        let normal = finite(normal)?;
+        Ok(Self { normal, specular })
     }
 }
 
 impl ShadingModel for LambertCookTorrance {
-    fn eval(&self, omega_in: &Vec3, omega_out: &Vec3, white: &[f64; 4]) -> [f64; 4] {
-        if omega_in.z <= 0.0 || omega_out.z <= 0.0 {
-            return [0.0; 4];
-        }
-        let gloss = self.specular.brdf(omega_in, omega_out).brightness_factor().0;
-        std::array::from_fn(|channel| self.normal[channel] + gloss * white[channel])
+    fn albedo(&self) -> [f64; 4] {
+        self.normal
+    }
+
+    fn lobes(&self, omega_in: &Vec3, omega_out: &Vec3) -> Lobes {
+        lambert_and(omega_in, omega_out, || self.specular.brdf(omega_in, omega_out))
     }
 }

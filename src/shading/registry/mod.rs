@@ -1,13 +1,22 @@
 //! The classical models. One more is its own file and a row here.
 
+mod facets;
+mod lambert_charlie;
 mod lambert_cook_torrance;
+mod lambert_ggx;
+mod oren_nayar;
 
 pub use lambert_cook_torrance::LambertCookTorrance;
 
 use super::{ClassicalModel, ShadingError};
 use crate::spectrum::UnknownName;
 
-static MODELS: &[&ClassicalModel] = &[&lambert_cook_torrance::MODEL];
+static MODELS: &[&ClassicalModel] = &[
+    &lambert_cook_torrance::MODEL,
+    &oren_nayar::MODEL,
+    &lambert_ggx::MODEL,
+    &lambert_charlie::MODEL,
+];
 
 /// Ids of the models that a report compares by default: the preprint's.
 pub const DEFAULT_MODELS: &[&str] = &["lambert-cook-torrance"];
