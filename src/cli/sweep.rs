@@ -122,13 +122,12 @@ pub fn run(arguments: &Arguments, options: &Options, terminal: &Terminal) -> Res
     let sweeping = terminal.progress("sweeping");
     sweeping.advance(table.points.len() as f64 / plan.len() as f64);
     let mut rays = None;
-    let mut done = 0;
-    for number in table.points.len()..plan.len() {
-        if done > 0 && arguments.max_time.is_some_and(|most| start.elapsed() >= most) {
+    let resumed = table.points.len();
+    for number in resumed..plan.len() {
+        if number > resumed && arguments.max_time.is_some_and(|most| start.elapsed() >= most) {
             break;
         }
         table.points.push(plan.point(number, &mut rays)?);
-        done += 1;
         let row = NamedFile {
             name: CSV.into(),
             bytes: table.csv()?,

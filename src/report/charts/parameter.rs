@@ -37,6 +37,9 @@ struct Series {
     of: fn(&SweepPoint) -> (f64, f64),
 }
 
+/// Abscissa, value and standard error.
+type Dot = (f64, f64, f64);
+
 const BLUE: RGBColor = RGBColor(20, 70, 160);
 const GREEN: RGBColor = RGBColor(40, 120, 60);
 const ORANGE: RGBColor = RGBColor(205, 85, 0);
@@ -89,8 +92,8 @@ impl OverParameter<'_> {
         point.parameters[self.number - 1]
     }
 
-    /// Abscissa, value and standard error of the points that have one.
-    fn dots(&self, series: &Series) -> Vec<(f64, f64, f64)> {
+    /// The points that have a value.
+    fn dots(&self, series: &Series) -> Vec<Dot> {
         let all = self.table.points.iter().map(|point| {
             let (value, se) = (series.of)(point);
             (self.parameter(point), value, finite(se))
@@ -149,7 +152,7 @@ fn draw_panel<DB: DrawingBackend>(
 ) -> Drawn<DB> {
     let size = (columns.end - columns.start, rows.end - rows.start);
     let area = root.clone().shrink(at(columns.start, rows.start), at(size.0, size.1));
-    let dots: Vec<(&Series, Vec<(f64, f64, f64)>)> = series.iter().map(|series| (series, of.dots(series))).collect();
+    let dots: Vec<(&Series, Vec<Dot>)> = series.iter().map(|series| (series, of.dots(series))).collect();
     let abscissas = around(of.table.points.iter().map(|point| of.parameter(point)));
     let all = || dots.iter().flat_map(|(_, dots)| dots);
     let ordinates = around(all().flat_map(|(_, value, se)| [value - se, value + se]));
@@ -187,9 +190,9 @@ fn draw_panel<DB: DrawingBackend>(
     let mut x = columns.start + label_width + 80;
     for (series, dots) in &dots {
         let stroke = series.colour.stroke_width(SCALE as u32);
-        let bar = |(x, y, se): &(f64, f64, f64)| PathElement::new([(*x, y - se), (*x, y + se)], stroke);
+        let bar = |(x, y, se): &Dot| PathElement::new([(*x, y - se), (*x, y + se)], stroke);
         chart.draw_series(dots.iter().map(bar))?;
-        let dot = |(x, y, _): &(f64, f64, f64)| Circle::new((*x, *y), 4 * SCALE, series.colour.filled());
+        let dot = |(x, y, _): &Dot| Circle::new((*x, *y), 4 * SCALE, series.colour.filled());
         chart.draw_series(dots.iter().map(dot))?;
         root.draw_text(
             series.label,
