@@ -50,7 +50,8 @@ pub enum ArtefactError {
         found: ArtefactKind,
     },
     #[error(
-        "{}: expected {kind} of format version {FORMAT_VERSION}, found version {found}; use the specval that wrote it, or {}",
+        "{}: expected {kind} of format version {FORMAT_VERSION}, found version {found}; use the specval that wrote it, \
+         or {}",
         path.display(), kind.remedy()
     )]
     OtherVersion {

@@ -10,7 +10,8 @@ use std::cell::RefCell;
 
 const INDEPENDENT: Law = Law {
     name: "attenuation",
-    words: "independent paths: without a surface light crosses with exp(−(mu_s + mu_a) L), and scattered light keeps exp(−mu_a L)",
+    words: "independent paths: without a surface light crosses with exp(−(mu_s + mu_a) L), and scattered light keeps \
+            exp(−mu_a L)",
 };
 const SHARED: Law = Law {
     name: "attenuation-shared",

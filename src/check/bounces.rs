@@ -28,7 +28,8 @@ pub const VIEWS: Law = Law {
 
 const ENTERING: Law = Law {
     name: "entering-light",
-    words: "of light that a yarn meets, what is neither reflected nor crosses unscattered is that of the closed form, for every tilt",
+    words: "of light that a yarn meets, what is neither reflected nor crosses unscattered is that of the closed form, \
+            for every tilt",
 };
 
 /// Of the light that a yarn meets: 8 × 72 midpoints against Gauss's rule.

@@ -18,12 +18,13 @@ const PIXELS: Law = Law {
 };
 const DIRECTIONS: Law = Law {
     name: "directions",
-    words: "light and viewer stand at their angles to the normal, on their sides of it, in the plane at the rig's azimuth",
+    words: "light and viewer stand at their angles to the normal, on their sides of it, in the plane at the rig's \
+            azimuth",
 };
 const GLOSS: Law = Law {
     name: "gloss",
-    words: "in the mirror direction the gloss is w F(θ) / (4π m² cos²θ), its facets cover the plane, and that of fibres along the normal is \
-            1 / (4π α β)",
+    words: "in the mirror direction the gloss is w F(θ) / (4π m² cos²θ), its facets cover the plane, and that of \
+            fibres along the normal is 1 / (4π α β)",
 };
 
 const AREA_NODES: usize = 200;

@@ -10,7 +10,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 const LOOKUP: Law = Law {
     name: "lookup-table",
-    words: "a table of f*/cosψ that is linear in tilt, azimuth and each angle of exit is looked up as just that function",
+    words: "a table of f*/cosψ that is linear in tilt, azimuth and each angle of exit is looked up as just that \
+            function",
 };
 const CELLS: Law = Law {
     name: "exit-cells",

@@ -1,4 +1,4 @@
-use super::gate::{Judge, estimates};
+use super::judge::{Judge, estimates};
 use super::{CheckEffort, CheckedQuantity};
 use crate::run::Plan;
 use crate::yarn::Estimator;

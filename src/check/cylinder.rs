@@ -10,7 +10,8 @@ use std::iter::zip;
 
 pub const LAW: Law = Law {
     name: "cylinder",
-    words: "without particles the cylinder, empty or absorbing, reflects, transmits and absorbs as its closed form says",
+    words: "without particles the cylinder, empty or absorbing, reflects, transmits and absorbs as its closed form \
+            says",
 };
 const QUANTITIES: [&str; 3] = ["reflected", "transmitted", "absorbed"];
 const TILTS: usize = 4;

@@ -51,11 +51,12 @@ pub enum BaselineError {
         #[source]
         cause: std::io::Error,
     },
-    #[error("{}: expected the document of `specval check --json`, found something else: {cause}; name the file that `specval check --json > FILE` wrote", path.display())]
+    #[error("{}: expected the document of `specval check --json`, found something else: {cause}; name the file that \
+             `specval check --json > FILE` wrote", path.display())]
     NotACheck { path: PathBuf, cause: serde_json::Error },
     #[error(
-        "{}: expected a baseline with the quantities of this check, found none of {missing}; make a new one with the same \
-         wavelengths and incidences", path.display()
+        "{}: expected a baseline with the quantities of this check, found none of {missing}; make a new one with the \
+         same wavelengths and incidences", path.display()
     )]
     OtherQuantities { path: PathBuf, missing: String },
 }

@@ -1,6 +1,7 @@
 //! Standard errors and normalisation, against numbers of which both are known.
 
-use super::gate::{Gate, Law, Where, estimates};
+use super::gate::{Gate, Law, Where};
+use super::judge::estimates;
 use super::{CheckError, Context};
 use crate::compare::{Comparison, Geometry, Propagation};
 use crate::run::{RunError, SpectralCurves};

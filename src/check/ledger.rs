@@ -1,6 +1,7 @@
 //! Energy ledger of every wavelength and incident direction, and the white furnace.
 
-use super::gate::{Gate, Law, Where, estimates};
+use super::gate::{Gate, Law, Where};
+use super::judge::estimates;
 use super::{CheckError, CheckedQuantity, Context};
 use crate::study::NumberOrTable;
 use crate::transport::{Fraction, FractionList, Ledger, Roulette};

@@ -13,7 +13,8 @@ use std::iter::zip;
 
 const COEFFICIENTS: Law = Law {
     name: "particle-coefficients",
-    words: "mu_s, mu_a and g are those of N spheres a volume: integrals of their amplitudes, and extinction less scattering",
+    words: "mu_s, mu_a and g are those of N spheres a volume: integrals of their amplitudes, and extinction less \
+            scattering",
 };
 const PHASE: Law = Law {
     name: "particle-phase",

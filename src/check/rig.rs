@@ -18,7 +18,8 @@ const DIFFUSER: Law = Law {
 };
 const WHITES: Law = Law {
     name: "whites",
-    words: "the whites of observers and illuminants are those of ASTM E308, and sRGB has the primaries of IEC 61966-2-1",
+    words: "the whites of observers and illuminants are those of ASTM E308, and sRGB has the primaries of IEC \
+            61966-2-1",
 };
 const LOOKUP: Law = Law {
     name: "lookup-mirror",
@@ -26,7 +27,8 @@ const LOOKUP: Law = Law {
 };
 const SHADING: Law = Law {
     name: "shading",
-    words: "a yarn with f* = cosψ shades the cloth with the mean of V cosψ over the camera's rays, and no further cosine",
+    words: "a yarn with f* = cosψ shades the cloth with the mean of V cosψ over the camera's rays, and no further \
+            cosine",
 };
 
 /// Pairs of directions that a table of f* is looked up at.

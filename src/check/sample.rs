@@ -1,13 +1,13 @@
 //! A measurement, tested without any model: reciprocity, energy, coverage, jumps, uncertainty.
 
-use super::gate::{Gate, GateVerdict, Judge, Law, Where};
+use super::departure::{Departure, SampleJudge, plausibility};
+use super::gate::{Gate, GateVerdict, Law, Where};
 use super::{CheckError, Checked, Subject};
 use crate::number::shown;
 use crate::report::InputDigest;
 use crate::run::FileKind;
 use crate::sample::{Chosen, RawReading, Sample, SampleError, Uncertainty};
 use crate::study::CheckSection;
-use statrs::distribution::{ContinuousCDF, Normal};
 use std::path::Path;
 
 const READINGS: Law = Law {
@@ -32,7 +32,8 @@ const ENERGY: Law = Law {
 };
 const ENERGY_OF_PLANE: Law = Law {
     name: "sample-energy",
-    words: "plausibility: the mean of β over the views of the plane of incidence, by projected solid angle, is at most 1",
+    words: "plausibility: the mean of β over the views of the plane of incidence, by projected solid angle, is at most \
+            1",
 };
 const UNITS: Law = Law {
     name: "sample-units",
@@ -85,16 +86,16 @@ pub fn sample(name_or_path: &str, chosen: Chosen, tolerances: &CheckSection) -> 
         name: format!("sample {name_or_path}"),
         sha256: sample.digest().to_owned(),
     });
-    let judge = Judge {
+    let stated = sample.uncertainty() != Uncertainty::NotStated;
+    let judge = SampleJudge {
         level: tolerances.false_alarms / STOCHASTIC_GATES,
-        paths: 0,
-        precision: 0.0,
+        stated,
     };
     let curves = Curves {
         sample: &sample,
         readings: sample.raw().collect(),
         wavelengths_nm: sample.wavelengths_nm(),
-        stated: sample.uncertainty() != Uncertainty::NotStated,
+        stated,
         judge,
     };
     let mut gates = vec![curves.readings(), curves.uncertainty(), curves.coverage()];
@@ -114,26 +115,7 @@ struct Curves<'a> {
     readings: Vec<RawReading<'a>>,
     wavelengths_nm: Option<&'a [f64]>,
     stated: bool,
-    judge: Judge,
-}
-
-/// A gate whose rule is no law: what it finds leaves the verdict open.
-fn plausibility(gate: Gate, words: &str) -> Gate {
-    match gate.verdict {
-        GateVerdict::Broken => Gate {
-            verdict: GateVerdict::Undecided,
-            ..gate
-        }
-        .with_note(words),
-        _ => gate,
-    }
-}
-
-/// A departure from a law with its standard error, where it is.
-struct Departure {
-    value: f64,
-    se: f64,
-    place: Where,
+    judge: SampleJudge,
 }
 
 impl<'a> Curves<'a> {
@@ -195,8 +177,8 @@ impl<'a> Curves<'a> {
         let gate = Gate::undecided(UNCERTAINTY);
         if !self.stated {
             return gate.with_note(
-                "none is stated: add _se columns, or relative_standard_uncertainty to sample.toml; comparisons would know the \
-                 Monte Carlo error alone",
+                "none is stated: add _se columns, or relative_standard_uncertainty to sample.toml; comparisons would \
+                 know the Monte Carlo error alone",
             );
         }
         let without = |reading: &&RawReading| {
@@ -279,7 +261,7 @@ impl<'a> Curves<'a> {
                 }
             }
         }
-        (!departures.is_empty()).then(|| self.judge(RECIPROCITY, &departures, tolerance, f64::abs, 2.0))
+        (!departures.is_empty()).then(|| self.judge.gate(RECIPROCITY, &departures, tolerance, f64::abs, 2.0))
     }
 
     /// By the hemisphere where the sample has one. In the plane of incidence alone, as if the other views were like
@@ -288,7 +270,7 @@ impl<'a> Curves<'a> {
     fn energy(&self) -> Gate {
         let hemispheres = self.hemispheres();
         if !hemispheres.is_empty() {
-            return self.judge(ENERGY, &hemispheres, 0.0, |x| x, 1.0);
+            return self.judge.gate(ENERGY, &hemispheres, 0.0, |x| x, 1.0);
         }
         let mut departures = Vec::new();
         for curve in self.by_incidence() {
@@ -314,7 +296,7 @@ impl<'a> Curves<'a> {
             }
         }
         plausibility(
-            self.judge(ENERGY_OF_PLANE, &departures, 0.0, |x| x, 1.0),
+            self.judge.gate(ENERGY_OF_PLANE, &departures, 0.0, |x| x, 1.0),
             "more than 1 in the plane of incidence: a narrow lobe may do that, per cent in place of fractions does",
         )
     }
@@ -374,52 +356,8 @@ impl<'a> Curves<'a> {
             }
         }
         plausibility(
-            self.judge(JUMPS, &departures, tolerance, f64::abs, 2.0),
+            self.judge.gate(JUMPS, &departures, tolerance, f64::abs, 2.0),
             "an outlier, or a peak narrower than the steps of the views",
         )
-    }
-
-    /// Broken where a departure is beyond the tolerance and, all together, beyond chance. Without errors the tolerance
-    /// alone decides.
-    fn judge(&self, law: Law, departures: &[Departure], tolerance: f64, size: fn(f64) -> f64, sides: f64) -> Gate {
-        let beyond = |d: &Departure| size(d.value) - tolerance;
-        let z = |d: &Departure| {
-            if d.se > 0.0 {
-                size(d.value) / d.se
-            } else {
-                f64::INFINITY
-            }
-        };
-        let p = |d: &Departure| {
-            let one = Normal::standard().sf(z(d)) * sides;
-            -(departures.len() as f64 * (-one.min(1.0)).ln_1p()).exp_m1()
-        };
-        let breaks = |d: &&Departure| beyond(d) > 0.0 && p(d) < self.judge.level;
-        let furthest = |a: &&Departure, b: &&Departure| size(a.value).total_cmp(&size(b.value));
-        let broken = departures.iter().filter(breaks).max_by(furthest);
-        let Some(shown) = broken.or_else(|| departures.iter().max_by(furthest)) else {
-            return Gate {
-                verdict: GateVerdict::Holds,
-                ..Gate::undecided(law)
-            }
-            .with_note("nothing to test: fewer than three views at each incidence");
-        };
-        Gate {
-            cells: departures.len(),
-            worst: shown.place.clone(),
-            value: shown.value,
-            se: shown.se,
-            tolerance,
-            largest_se: departures.iter().map(|d| d.se).fold(0.0, f64::max),
-            // A reading whose error is 0 is known without chance.
-            z: (self.stated && shown.se > 0.0).then(|| shown.value / shown.se),
-            p: (self.stated && shown.se > 0.0).then(|| p(shown)),
-            verdict: if broken.is_some() {
-                GateVerdict::Broken
-            } else {
-                GateVerdict::Holds
-            },
-            ..Gate::undecided(law)
-        }
     }
 }

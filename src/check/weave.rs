@@ -9,7 +9,8 @@ use crate::run::RunError;
 
 const CROSSINGS: Law = Law {
     name: "crossings",
-    words: "at every crossing the yarn on top, seen from above, and the one below, seen from below, are those of the drawdown",
+    words: "at every crossing the yarn on top, seen from above, and the one below, seen from below, are those of the \
+            drawdown",
 };
 const CROWNS: Law = Law {
     name: "crowns",

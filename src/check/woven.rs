@@ -13,7 +13,8 @@ use rayon::prelude::*;
 
 const LEDGER: Law = Law {
     name: "cloth-ledger",
-    words: "of light traced through the yarns of the cloth, reflected + transmitted + absorbed + the net of random sampling is 1",
+    words: "of light traced through the yarns of the cloth, reflected + transmitted + absorbed + the net of random \
+            sampling is 1",
 };
 const FURNACE: Law = Law {
     name: "cloth-furnace",

@@ -1,6 +1,7 @@
-use super::convert::{ConvertError, Target, by_extension, target_of, targets};
+use super::convert::{ConvertError, OutputFormat, by_extension, target_of, targets};
 use super::inspect::scatter_of;
 use super::measure::Method;
+use super::notice::worded;
 use super::{Failure, Options, Replace, Terminal, claim, in_words, inputs_of, study};
 use serde::Serialize;
 use specval::artefact::Identity;
@@ -20,8 +21,8 @@ use std::path::{Path, PathBuf};
 const PATHS: u64 = 200_000;
 
 /// Where light that meets no yarn is in a Klems file.
-const GAPS_IN_PATCHES: &str = "light straight through the gaps is on the diagonal of the transmission, its fraction over the \
-    projected solid angle of the patch";
+const GAPS_IN_PATCHES: &str = "light straight through the gaps is on the diagonal of the transmission, its fraction \
+                               over the projected solid angle of the patch";
 
 /// How light is simulated, in files.
 fn method_words(method: MethodChoice) -> &'static str {
@@ -53,7 +54,7 @@ pub struct Arguments {
         long, value_name = "FORMAT", value_parser = target_of,
         help = format!("Format to write: {}; without it the extension of --out says", targets())
     )]
-    to: Option<Target>,
+    to: Option<OutputFormat>,
     /// What to write in a format that holds one of the two: reflection or transmission.
     #[arg(long, value_name = "KIND", value_parser = scatter_of)]
     scatter: Option<Scatter>,
@@ -99,8 +100,8 @@ enum FullError {
         option: &'static str,
     },
     #[error(
-        "the {format} file would have about {expected_mib} MiB, and specval reads at most {most_mib} MiB of that format; take larger \
-         steps{smaller}"
+        "the {format} file would have about {expected_mib} MiB, and specval reads at most {most_mib} MiB of that \
+         format; take larger steps{smaller}"
     )]
     TooLarge {
         format: Format,
@@ -176,7 +177,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
         terminal.notice(&notice);
     }
     let out = files.output.path();
-    let (Target { format, encoding }, scatter) = full.target(out)?;
+    let (OutputFormat { format, encoding }, scatter) = full.target(out)?;
     let batches = plan.direct_effort.batches;
     let particles = options.paths.map_or(PATHS, u64::from).div_ceil(batches as u64) as usize;
     let mut group = symmetries(&plan.cloth_spec, plan.weft.is_none(), true);
@@ -240,11 +241,11 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
         particles,
     };
     let provenance = full.provenance(plan, method, &bsdf, &effort)?;
-    let mut notices = Vec::new();
+    let mut colour_notices = Vec::new();
     let mut data = Goniometric {
         format,
         provenance,
-        components: bsdf.components(colours, format == Format::CSV, &mut notices)?,
+        components: bsdf.components(colours, format == Format::CSV, &mut colour_notices)?,
         warnings: Vec::new(),
     };
     let writing = terminal.busy("writing the file");
@@ -259,7 +260,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     );
     writing.finish();
     let written = written?;
-    notices.extend(written.notices);
+    let mut notices: Vec<String> = worded(&colour_notices).chain(worded(&written.notices)).collect();
     match format {
         Format::SDR | Format::SSDD => {}
         Format::RADIANCE_XML => notices.push(GAPS_IN_PATCHES.into()),
@@ -314,7 +315,8 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     };
     terminal.result(&measured, |m| {
         format!(
-            "{} bytes of {} written to {}\n{} of {} incidences traced, {} particles each; median standard error of f {}\n",
+            "{} bytes of {} written to {}\n{} of {} incidences traced, {} particles each; median standard error of f \
+             {}\n",
             m.bytes,
             m.format,
             m.output,
@@ -367,11 +369,11 @@ struct BsdfEffort {
 
 impl Arguments {
     /// What to write; refuses what would fail after the tracing.
-    fn target(&self, out: &Path) -> Result<(Target, Option<Scatter>), Failure> {
+    fn target(&self, out: &Path) -> Result<(OutputFormat, Option<Scatter>), Failure> {
         let (by_name, scatter) = by_extension(out);
         let target = self
             .to
-            .or(by_name.map(Target::from))
+            .or(by_name.map(OutputFormat::from))
             .ok_or_else(|| ConvertError::Extension { path: out.to_owned() })?;
         let format = target.format;
         let scatter = self.scatter.or(scatter);
@@ -431,8 +433,8 @@ impl Arguments {
             format!("{software}, simulated woven cloth, {}", method_words(method)),
             format!("study SHA-256 {digest}, seed {}", plan.study.seed),
             format!(
-                "{} incidences from {sides}, {} of them traced, the rest by the symmetry of the weave; {} batches of {} \
-                 particles each; median standard error of f {}",
+                "{} incidences from {sides}, {} of them traced, the rest by the symmetry of the weave; {} batches of \
+                 {} particles each; median standard error of f {}",
                 effort.incidences,
                 bsdf.incidences().len(),
                 effort.batches,

@@ -19,7 +19,8 @@ pub struct Arguments {
     /// An eighth of the paths, tolerances of what is random 2.8 times as wide.
     #[arg(long)]
     quick: bool,
-    #[arg(long, help = format!("Test a measurement instead of a study: a built-in name ({}), a folder or a file. Tolerances are the study's", help::samples()), value_name = "SAMPLE", conflicts_with_all = ["quick", "against"])]
+    #[arg(long, help = format!("Test a measurement instead of a study: a built-in name ({}), a folder or a file. \
+                                Tolerances are the study's", help::samples()), value_name = "SAMPLE", conflicts_with_all = ["quick", "against"])]
     sample: Option<String>,
     #[command(flatten)]
     chosen: ChosenComponent,

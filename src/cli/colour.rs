@@ -1,5 +1,5 @@
 use super::inspect::ChosenComponent;
-use super::notice::first_of;
+use super::notice::{first_of, worded};
 use super::{Failure, Terminal, study};
 use serde::Serialize;
 use specval::colour::{Adaptation, Colour, ColourSystem, Convention, Illuminant, Observer, RgbSpace, Stated, Xyz};
@@ -169,7 +169,7 @@ fn named(file: SpectraFile) -> Result<Spectra, Failure> {
     Ok(Spectra {
         grid,
         all,
-        notices: file.notices,
+        notices: worded(&file.notices).collect(),
         stated: file.stated,
     })
 }

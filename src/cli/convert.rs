@@ -1,4 +1,5 @@
 use super::inspect::{ChosenComponent, Inspection, scatter_word};
+use super::notice::worded;
 use super::{Failure, Options, Replace, claim, in_words};
 use serde::Serialize;
 use specval::formats::registry;
@@ -17,7 +18,7 @@ pub struct Arguments {
     #[arg(value_name = "OUT")]
     output: PathBuf,
     #[arg(long, value_name = "FORMAT", value_parser = target_of, help = format!("Format to write: {}", targets()))]
-    to: Option<Target>,
+    to: Option<OutputFormat>,
     #[command(flatten)]
     chosen: ChosenComponent,
     #[command(flatten)]
@@ -34,7 +35,8 @@ pub(super) enum ConvertError {
     )]
     Extension { path: PathBuf },
     #[error(
-        "{}: expected {asked}, as --scatter says, found an extension of {by_name}; name the file .{extension}, or leave --scatter out",
+        "{}: expected {asked}, as --scatter says, found an extension of {by_name}; name the file .{extension}, or \
+         leave --scatter out",
         path.display()
     )]
     Scatter {
@@ -57,12 +59,12 @@ struct Converted {
 
 /// A format to write, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Target {
+pub(super) struct OutputFormat {
     pub(super) format: Format,
     pub(super) encoding: Encoding,
 }
 
-impl From<Format> for Target {
+impl From<Format> for OutputFormat {
     fn from(format: Format) -> Self {
         Self {
             format,
@@ -76,9 +78,9 @@ pub(super) fn targets() -> String {
     registry::any_of(&registry::targets().map(|(name, ..)| name).collect::<Vec<_>>())
 }
 
-pub(super) fn target_of(name: &str) -> Result<Target, String> {
+pub(super) fn target_of(name: &str) -> Result<OutputFormat, String> {
     let name = name.to_ascii_lowercase();
-    let written = registry::targets().map(|(known, format, encoding)| (known, Target { format, encoding }));
+    let written = registry::targets().map(|(known, format, encoding)| (known, OutputFormat { format, encoding }));
     // Those that are read alone are refused with the reason.
     let all = registry::all()
         .iter()
@@ -123,9 +125,9 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         }
         .into());
     }
-    let Target { format, encoding } = arguments
+    let OutputFormat { format, encoding } = arguments
         .to
-        .or(by_format.map(Target::from))
+        .or(by_format.map(OutputFormat::from))
         .ok_or_else(|| ConvertError::Extension { path: output.clone() })?;
     let inputs = slice::from_ref(&arguments.input);
     let (places, terminal) = claim(&[output], inputs, &arguments.replace, options)?;
@@ -151,7 +153,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         format: format.name(),
         bytes: written.bytes.len(),
         components: written.components.clone(),
-        notices: data.warnings.iter().chain(&written.notices).cloned().collect(),
+        notices: worded(&data.warnings).chain(worded(&written.notices)).collect(),
     };
     terminal.result(&converted, |c| {
         let components = c.components.join("; ");

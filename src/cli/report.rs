@@ -31,7 +31,8 @@ pub struct Arguments {
     /// locality.csv. Minutes.
     #[arg(long)]
     approximations: bool,
-    #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file. May be repeated: further samples are compared at the geometries of the first", help::samples()), value_name = "SAMPLE")]
+    #[arg(long, help = format!("Measured sample instead of the study's: a built-in name ({}), a folder or a file. May \
+                                be repeated: further samples are compared at the geometries of the first", help::samples()), value_name = "SAMPLE")]
     measured: Vec<String>,
     /// Draw the report of a finished run again, without tracing: its result.json, or its folder.
     #[arg(long, value_name = "RESULT", conflicts_with_all = ["study", "quick", "approximations", "measured", "scatter", "side", "until", "max_time", "resume"])]
@@ -46,7 +47,8 @@ pub struct Arguments {
 
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "--out -: expected a folder, as a report is many files, found stdout; name a folder, such as ./-, or print its document with --json"
+    "--out -: expected a folder, as a report is many files, found stdout; name a folder, such as ./-, or print its \
+     document with --json"
 )]
 struct NoFolder;
 
@@ -58,8 +60,8 @@ struct Finished {
 
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "--scatter transmission: expected reflection, which is what model and classical shading are of, found transmission; leave \
-     --scatter out, or test the transmission by itself with `specval check --sample`"
+    "--scatter transmission: expected reflection, which is what model and classical shading are of, found \
+     transmission; leave --scatter out, or test the transmission by itself with `specval check --sample`"
 )]
 struct NoTransmission;
 
@@ -204,7 +206,7 @@ fn incidences(theta_i_deg: impl Iterator<Item = f64>) -> usize {
 }
 
 /// A twentieth of the paths, but for a number that was asked for, and a ninth of the camera rays.
-fn quicken(study: &mut Study, fewer_paths: bool) {
+pub fn quicken(study: &mut Study, fewer_paths: bool) {
     let batches = u64::from(study.trace.batches);
     let trace = &mut study.trace;
     if fewer_paths {

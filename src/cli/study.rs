@@ -21,7 +21,8 @@ pub enum LoadError {
     #[error(transparent)]
     OtherKind(#[from] OtherKind),
     #[error(
-        "--paths: expected {batches} or more, a path for each of the study's batches, found {found}; raise --paths, or lower `trace.batches`"
+        "--paths: expected {batches} or more, a path for each of the study's batches, found {found}; raise --paths, or \
+         lower `trace.batches`"
     )]
     FewPaths { batches: u32, found: u64 },
 }

@@ -20,7 +20,8 @@ pub struct Arguments {
     /// Go on until the standard error of the ledger's scattered fraction, at every wavelength and incident direction,
     /// is below this: "rel 5%" or "abs 0.001". Makes more batches than the study if need be, or with --paths no more
     /// than those.
-    #[arg(long, value_name = "PRECISION", value_parser = scattered, allow_hyphen_values = true, help_heading = "How long")]
+    #[arg(long, value_name = "PRECISION", value_parser = scattered, allow_hyphen_values = true, help_heading = "How \
+                                                                                                                long")]
     until: Option<Precision>,
     #[command(flatten)]
     replace: Replace,
@@ -31,8 +32,8 @@ pub struct Arguments {
 /// Options that a shard cannot have.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "--shard with {option}: expected one of the two, since a shard is always its own part of the study's batches; leave {option} \
-     out, or trace without --shard"
+    "--shard with {option}: expected one of the two, since a shard is always its own part of the study's batches; \
+     leave {option} out, or trace without --shard"
 )]
 struct ShardWith {
     option: &'static str,

@@ -1,3 +1,4 @@
+use super::notice::worded;
 use super::{Failure, Terminal, help, study};
 use serde::Serialize;
 use specval::weave::{Thread, WeaveDraft, WeaveError};
@@ -45,7 +46,7 @@ pub fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         drawdown,
         warp_threads: draft.warps,
         weft_threads: draft.wefts,
-        warnings: draft.warnings,
+        warnings: worded(&draft.warnings).collect(),
     };
     terminal.result(&drawdown, text)
 }

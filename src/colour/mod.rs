@@ -69,8 +69,8 @@ pub enum ColourError {
     #[error("{kind}: {source}")]
     File { kind: &'static str, source: SpectrumError },
     #[error(
-        "on {low}..{high} nm under {convention} the perfect diffuser has X, Y, Z = {x}, {y}, {z}; all must be positive to speak \
-         of colour: check the illuminant's and the observer's tables"
+        "on {low}..{high} nm under {convention} the perfect diffuser has X, Y, Z = {x}, {y}, {z}; all must be positive \
+         to speak of colour: check the illuminant's and the observer's tables"
     )]
     Blind {
         low: f64,
@@ -81,7 +81,8 @@ pub enum ColourError {
         z: f64,
     },
     #[error(
-        "these data have no colour: {why}; 390..730 nm in steps of 10 nm, or 400..700 nm in steps of 20 nm at most, have one"
+        "these data have no colour: {why}; 390..730 nm in steps of 10 nm, or 400..700 nm in steps of 20 nm at most, \
+         have one"
     )]
     NoColour { why: String },
 }

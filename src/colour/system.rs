@@ -110,8 +110,8 @@ impl ColourSystem {
         let method = match is_plain {
             true => "plain sums over the wavelengths of the data".to_owned(),
             false => format!(
-                "sums over every nm of {from}..{to} nm, {} interpolation of the data and their nearest value beyond the ends \
-                 (ASTM E308)",
+                "sums over every nm of {from}..{to} nm, {} interpolation of the data and their nearest value beyond \
+                 the ends (ASTM E308)",
                 interpolation.name()
             ),
         };
@@ -293,8 +293,8 @@ fn fitness(grid: &WavelengthGrid, every_nm: &WavelengthGrid, all: &[Vector3<f64>
             );
     if share > OUTSIDE[0] {
         why.push(format!(
-            "{} % of the colour-matching function {function} lie outside {} to {} nm, where the data are continued by their \
-             nearest value",
+            "{} % of the colour-matching function {function} lie outside {} to {} nm, where the data are continued by \
+             their nearest value",
             rounded(100.0 * share),
             rounded(low),
             rounded(high)

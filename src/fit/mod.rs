@@ -4,6 +4,7 @@
 mod assessment;
 mod candidate;
 mod colour_difference;
+mod design;
 mod emulator;
 mod error;
 mod forward;
@@ -23,6 +24,7 @@ mod verdict;
 pub use assessment::{Assessment, Bound, Indistinct, assess};
 pub use candidate::{Candidate, Fitted, FittedParameter};
 pub use colour_difference::{ColourDifference, colour_differences};
+pub use design::{Axis, Design};
 pub use emulator::{Batches, Emulator};
 pub use error::FitError;
 pub use forward::{ForwardModel, ForwardRun};

@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 use super::error::FormatError;
 use super::options::{Encoding, ReadOptions};
 use super::text::{Text, decode};
-use super::write::WriteError;
-use crate::goniometric::{Component, FileProvenance, Format, Goniometric, Scatter};
+use super::write::{WriteError, WriteNotice};
+use crate::goniometric::{Component, FileProvenance, Format, Goniometric, ReadNotice, Scatter};
 use crate::text::encoding::beginning;
 
 pub(super) const MIB: u64 = 1 << 20;
@@ -67,7 +67,7 @@ impl Input<'_> {
     ) -> Result<Goniometric, FormatError> {
         let decoded = decode(self.path, self.bytes)?;
         let mut data = read(Text::new(self.path, &decoded.text))?;
-        data.warnings.extend(decoded.notice);
+        data.warnings.extend(decoded.notice.map(ReadNotice::from));
         Ok(data)
     }
 }
@@ -80,7 +80,7 @@ pub struct FormatWriter {
     pub errors: bool,
     /// A variant in another encoding, with its name on the command line.
     pub variant: Option<(&'static str, Encoding)>,
-    pub(super) write: fn(&Content, &mut Vec<String>) -> Result<Vec<u8>, WriteError>,
+    pub(super) write: fn(&Content, &mut Vec<WriteNotice>) -> Result<Vec<u8>, WriteError>,
 }
 
 /// What a file of a format can hold.

@@ -94,10 +94,10 @@ pub(crate) mod remedy {
     pub(crate) const ANGLE_BASES: &str = "check that the angle bases are those of the data, and that the file is whole";
     pub(crate) const LISTS_OR_CUT: &str =
         "compare the lists of angles with the rows of data; where they agree the file is cut short: export it again";
-    pub(crate) const BINARY_BEHIND: &str = "remove the bytes behind the last block; where binary values stand there, the \
-        lists of angles in the header promise too few";
-    pub(crate) const PROPERTY: &str = "check its spelling, in capitals; behind data it may be a value too many, that the \
-        lists of angles do not promise";
+    pub(crate) const BINARY_BEHIND: &str = "remove the bytes behind the last block; where binary values stand there, \
+                                            the lists of angles in the header promise too few";
+    pub(crate) const PROPERTY: &str = "check its spelling, in capitals; behind data it may be a value too many, that \
+                                       the lists of angles do not promise";
     pub(crate) const SORT: &str = "sort the angles together with their values, and check that they are in degrees";
     pub(crate) const WAVELENGTHS: &str = "sort the wavelengths together with their values, and give them in nm";
     pub(crate) const NOT_FINITE: &str =

@@ -20,14 +20,14 @@ mod written;
 
 pub use crate::goniometric::{
     Axis, ChannelSet, Component, Directions, Evaluation, FileProvenance, Fold, Format, Goniometric, Grid,
-    Hemispherical, KlemsBasis, KlemsMatrix, Parameters, Placement, Quantity, Scatter, Scattered, Side, SpecularTable,
-    Table, TensorTree, Warped, direction,
+    Hemispherical, KlemsBasis, KlemsMatrix, Parameters, Placement, Quantity, ReadNotice, Scatter, Scattered, Side,
+    SpecularTable, Table, TensorTree, Warped, direction,
 };
 pub use descriptor::{Descriptor, FormatWriter, Holds};
 pub use error::{FormatError, Location};
 pub use options::{AngleUnit, Encoding, ReadOptions, WriteOptions};
 pub use read::{format_of, parse, read};
-pub use write::WriteError;
+pub use write::{WriteError, WriteNotice};
 pub use written::{Written, write};
 
 pub(crate) use error::remedy;

@@ -1,18 +1,15 @@
-/// Each once, with how often it was there.
-pub(super) fn counted(all: Vec<String>) -> Vec<String> {
-    let mut times: Vec<(String, usize)> = Vec::new();
-    for words in all {
-        match times.iter_mut().find(|(known, _)| *known == words) {
+/// Each notice once; `several` makes one of a notice that occurs several times.
+pub(super) fn counted<N: PartialEq>(all: Vec<N>, several: impl Fn(N, usize) -> N) -> Vec<N> {
+    let mut times: Vec<(N, usize)> = Vec::new();
+    for notice in all {
+        match times.iter_mut().find(|(known, _)| *known == notice) {
             Some((_, count)) => *count += 1,
-            None => times.push((words, 1)),
+            None => times.push((notice, 1)),
         }
     }
-    let told = |(words, count): (String, usize)| {
-        if count == 1 {
-            words
-        } else {
-            format!("{words} ({count} times)")
-        }
-    };
-    times.into_iter().map(told).collect()
+    let merged = times.into_iter().map(|(notice, count)| match count {
+        1 => notice,
+        _ => several(notice, count),
+    });
+    merged.collect()
 }

@@ -7,7 +7,7 @@ use super::error::FormatError;
 use super::notices::counted;
 use super::options::ReadOptions;
 use super::{registry, source};
-use crate::goniometric::{Format, Goniometric, Table, give_one_value};
+use crate::goniometric::{Format, Goniometric, ReadNotice, Table, give_one_value};
 
 /// Reads a file of any format.
 ///
@@ -46,13 +46,16 @@ fn parse_as(known: &Descriptor, path: &str, bytes: &[u8], options: &ReadOptions)
         if let Table::Grid(grid) = &component.table
             && grid.seam() > SEAM
         {
-            data.warnings.push(format!(
-                "values at azimuths 360 degrees apart, which are one direction, differ by up to {:.1} %: both are kept, with a \
-                 jump between them",
-                100.0 * grid.seam()
-            ));
+            data.warnings.push(ReadNotice::Seam {
+                difference: grid.seam(),
+            });
         }
     }
-    data.warnings = counted(std::mem::take(&mut data.warnings));
+    data.warnings = counted(std::mem::take(&mut data.warnings), |notice, times| {
+        ReadNotice::Several {
+            notice: Box::new(notice),
+            times,
+        }
+    });
     Ok(data)
 }

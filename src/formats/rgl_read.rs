@@ -8,7 +8,7 @@ use super::error::{FormatError, remedy};
 use super::rgl_arrays::{F32, MAGIC, RGL, U8};
 use super::text::quoted;
 use crate::goniometric::{
-    Arrays, ChannelSet, Component, FileProvenance, Goniometric, Quantity, Scatter, Side, Table, Warped,
+    Arrays, ChannelSet, Component, FileProvenance, Goniometric, Quantity, ReadNotice, Scatter, Side, Table, Warped,
 };
 use crate::number::shown;
 use crate::spectrum::WavelengthGrid;
@@ -152,31 +152,23 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
         )
     })?;
     if channels == ChannelSet::Rgb {
-        warnings.push("the RGB primaries are not stated".to_owned());
+        warnings.push(ReadNotice::RgbPrimariesNotStated);
     }
     let name = if channels == ChannelSet::Rgb { "rgb" } else { "spectra" };
     let negative = warped.negative_above_horizon();
     if negative.count > 0 {
         if negative.sum >= negative.positive_sum {
-            warnings.push(format!(
-                "the values of `{name}` below 0 outweigh those above it: check the sign of the data, or copy the file again in \
-                 binary mode"
-            ));
+            warnings.push(ReadNotice::MostlyNegative { array: name.into() });
         }
-        let cause = if channels == ChannelSet::Rgb {
-            "as colours outside the RGB space have them"
-        } else {
-            "as dark subtraction leaves them"
-        };
-        warnings.push(format!(
-            "{} values of `{name}` are below 0, down to {}, {cause}; what is below 0 after interpolation counts as 0",
-            negative.count, negative.lowest
-        ));
+        warnings.push(ReadNotice::BelowZero {
+            array: name.into(),
+            count: negative.count,
+            lowest: negative.lowest,
+            rgb: channels == ChannelSet::Rgb,
+        });
     }
     if let Some(words) = warped.symmetry() {
-        warnings.push(format!(
-            "azimuths of a part of the circle are stored: the rest is taken as {words}, as Mitsuba does"
-        ));
+        warnings.push(ReadNotice::PartOfAzimuths { symmetry: words.into() });
     }
     let end = file
         .fields
@@ -187,10 +179,9 @@ pub(super) fn read(path: &str, bytes: &[u8]) -> Result<Goniometric, FormatError>
     // Arrays are aligned to 8 bytes, with zeros between them.
     let behind = bytes.get(end..).unwrap_or_default();
     if behind.len() >= 8 || behind.iter().any(|byte| *byte != 0) {
-        warnings.push(format!(
-            "{} bytes behind the last array are not used",
-            bytes.len() - end
-        ));
+        warnings.push(ReadNotice::BytesBehindArrays {
+            bytes: bytes.len() - end,
+        });
     }
     let provenance = FileProvenance {
         source: None,
@@ -300,7 +291,10 @@ impl File<'_> {
         let field = self.fields.get(name);
         let field = field.ok_or_else(|| {
             let remedy = match name {
-                "rgb" => "the file may be tensors of another kind than a measured BSDF; write `rgb`, or `spectra` and `wavelengths`",
+                "rgb" => {
+                    "the file may be tensors of another kind than a measured BSDF; write `rgb`, or `spectra` and \
+                          `wavelengths`"
+                }
                 _ => "the file may be tensors of another kind than a measured BSDF, which has this array",
             };
             FormatError::file(self.path, format!("an array `{name}`"), "none", remedy)
@@ -347,7 +341,7 @@ impl File<'_> {
         theta_i: &[f32],
         azimuths: usize,
         square: usize,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<ReadNotice>,
     ) -> Result<Option<Vec<bool>>, FormatError> {
         if !self.fields.contains_key("valid") {
             return Ok(None);
@@ -356,29 +350,22 @@ impl File<'_> {
         let nodes = azimuths * theta_i.len() * slice;
         let bytes = self.bytes_of("valid")?;
         if bytes.len() != nodes.div_ceil(8) {
-            warnings.push(format!(
-                "the mask `valid` is not used: expected {} bytes, a bit for each of {nodes} nodes, found {}",
-                nodes.div_ceil(8),
-                bytes.len()
-            ));
+            warnings.push(ReadNotice::MaskNotUsed {
+                nodes,
+                bytes: bytes.len(),
+            });
             return Ok(None);
         }
         let bit = |node: usize| bytes[node / 8] >> (7 - node % 8) & 1 == 1;
         let unseen = (0..nodes).filter(|&node| !bit(node)).count();
         if unseen > 0 {
-            warnings.push(format!(
-                "the mask `valid` says that the instrument did not see {unseen} of {nodes} nodes, which hold values that were \
-                 filled in: they are part of the table, but no readings of a sample"
-            ));
+            warnings.push(ReadNotice::UnseenNodes { unseen, nodes });
         }
-        // No light falls on a sample from its horizon: the slice there continues the last measured one, whatever its mask.
+        // No light falls on a sample from its horizon: the slice there continues the last measured one, whatever its
+        // mask.
         let at_horizon = |node: usize| theta_i[node / slice % theta_i.len()] > HORIZON_RAD;
         if (0..nodes).any(|node| bit(node) && at_horizon(node)) {
-            warnings.push(
-                "values at 90 degrees of incidence, from where no light falls on a sample, are a continuation: part of the table, \
-                 but no readings of a sample"
-                    .to_owned(),
-            );
+            warnings.push(ReadNotice::ContinuedToHorizon);
         }
         Ok(Some((0..nodes).map(|node| bit(node) && !at_horizon(node)).collect()))
     }

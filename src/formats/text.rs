@@ -3,7 +3,8 @@
 use std::ops::RangeInclusive;
 
 use super::error::{FormatError, Location, remedy};
-use crate::spectrum::plausibility;
+use crate::goniometric::ReadNotice;
+use crate::spectrum::{Doubt, plausibility};
 use crate::text::encoding::{self, Decoded};
 
 /// A text file and what to call it.
@@ -34,9 +35,9 @@ impl<'a> Text<'a> {
     }
 
     /// Adds the warning of readings that are below 0 by noise, and refuses those below it.
-    pub(crate) fn judge(&self, readings: &Readings, warnings: &mut Vec<String>) -> Result<(), FormatError> {
+    pub(crate) fn judge(&self, readings: &Readings, warnings: &mut Vec<ReadNotice>) -> Result<(), FormatError> {
         match readings.judged() {
-            Ok(warning) => warnings.extend(warning),
+            Ok(doubt) => warnings.extend(doubt.map(ReadNotice::from)),
             Err((at, [expected, found, remedy])) => return Err(self.error(at, expected, found, remedy)),
         }
         Ok(())
@@ -307,10 +308,8 @@ impl Readings {
     }
 
     /// As [`plausibility::below_zero`], with the place of the lowest value.
-    pub(crate) fn judged(&self) -> Result<Option<String>, (usize, [String; 3])> {
+    pub(crate) fn judged(&self) -> Result<Option<Doubt>, (usize, [String; 3])> {
         let judged = plausibility::below_zero("scattering", self.lowest, self.highest, self.negative);
-        judged
-            .map(|doubt| doubt.map(|doubt| doubt.to_string()))
-            .map_err(|words| (self.at, words))
+        judged.map_err(|words| (self.at, words))
     }
 }

@@ -4,7 +4,7 @@ use super::descriptor::{Content, Holds};
 use super::notices::counted;
 use super::options::WriteOptions;
 use super::registry::{self, any_of};
-use super::write::WriteError;
+use super::write::{WriteError, WriteNotice};
 use crate::goniometric::{Component, Format, Goniometric, Scatter, Side, Table};
 
 /// The bytes of a file, and what they do not hold as the source did.
@@ -13,7 +13,7 @@ pub struct Written {
     pub bytes: Vec<u8>,
     /// What is in it, in words.
     pub components: Vec<String>,
-    pub notices: Vec<String>,
+    pub notices: Vec<WriteNotice>,
 }
 
 /// Writes data as a file of a format.
@@ -28,12 +28,10 @@ pub fn write(data: &Goniometric, format: Format, options: &WriteOptions) -> Resu
     let left_out = data.components.iter().filter(|c| !chosen.contains(c));
     let left_out: Vec<String> = left_out.map(Component::words).collect();
     if !left_out.is_empty() {
-        notices.push(format!("not in the file, but in the source: {}", left_out.join("; ")));
+        notices.push(WriteNotice::ComponentsLeftOut { components: left_out });
     }
     if writer.holds != Holds::Sides && chosen.iter().any(|c| c.side == Side::Back) {
-        notices.push(format!(
-            "{format} does not state the side: the light comes from the back, and azimuths run as on the front"
-        ));
+        notices.push(WriteNotice::SideNotStated { format });
     }
     let content = Content {
         format,
@@ -44,21 +42,23 @@ pub fn write(data: &Goniometric, format: Format, options: &WriteOptions) -> Resu
     };
     let bytes = (writer.write)(&content, &mut notices)?;
     if !writer.errors && chosen.iter().any(|c| states_errors(c)) {
-        notices.push(format!(
-            "{format} holds no standard errors: those of the source are left out"
-        ));
+        notices.push(WriteNotice::ErrorsLeftOut { format });
     }
     let most = known.most_bytes();
     if bytes.len() as u64 > most {
-        notices.push(format!(
-            "the file has {} bytes, and those that specval reads in the format {format} have at most {most}",
-            bytes.len()
-        ));
+        notices.push(WriteNotice::TooLargeToRead {
+            format,
+            bytes: bytes.len(),
+            most,
+        });
     }
     Ok(Written {
         bytes,
         components: chosen.into_iter().map(Component::words).collect(),
-        notices: counted(notices),
+        notices: counted(notices, |notice, times| WriteNotice::Several {
+            notice: Box::new(notice),
+            times,
+        }),
     })
 }
 
@@ -118,8 +118,8 @@ fn chosen<'a>(
             holds: format!("{}{kind}{side}", held.words()),
             found: there.join("; "),
             remedy: format!(
-                "choose one with --scatter and --side, or take a format that holds it: {} holds both sides, {} reflection and \
-                 transmission",
+                "choose one with --scatter and --side, or take a format that holds it: {} holds both sides, {} \
+                 reflection and transmission",
                 that_hold(Holds::Sides),
                 that_hold(Holds::Kinds)
             ),

@@ -2,6 +2,7 @@ use super::direction::{every_tenth_degree, rounded_deg};
 use super::grid::Grid;
 use super::kinds::{ChannelSet, FileProvenance, Format, Placement, Quantity, Scatter, Side};
 use super::klems::KlemsMatrix;
+use super::notice::ReadNotice;
 use super::scattered::Scattered;
 use super::specular::SpecularTable;
 use super::tensor_tree::TensorTree;
@@ -20,7 +21,7 @@ pub struct Goniometric {
     /// At least one.
     pub components: Vec<Component>,
     /// Assumptions and omissions of the reader.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<ReadNotice>,
 }
 
 /// One kind of scattering from one side.

@@ -1,6 +1,7 @@
 //! Goniometric data in memory: tables in the parameters of their files, evaluation and hemispherical values.
 
 mod axis;
+mod chart;
 mod cosine;
 mod data;
 mod direction;
@@ -8,6 +9,7 @@ mod grid;
 mod hemispherical;
 mod kinds;
 mod klems;
+mod notice;
 mod parameters;
 mod pole;
 mod scattered;
@@ -23,6 +25,7 @@ pub(crate) use hemispherical::Hemisphere;
 pub use hemispherical::Hemispherical;
 pub use kinds::{ChannelSet, FileProvenance, Format, Placement, Quantity, Scatter, Side};
 pub use klems::{KlemsBasis, KlemsMatrix};
+pub use notice::ReadNotice;
 pub use parameters::{Fold, Parameters};
 pub use scattered::{Directions, Scattered};
 pub use specular::SpecularTable;

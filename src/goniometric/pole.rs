@@ -2,6 +2,7 @@
 
 use super::data::{Goniometric, Table};
 use super::grid::Grid;
+use super::notice::ReadNotice;
 use super::parameters::Parameters;
 
 /// Relative difference of nodes at a pole below which it counts as rounding.
@@ -21,10 +22,7 @@ pub(crate) fn give_one_value(data: &mut Goniometric) {
         }
     }
     if largest > TOLD {
-        data.warnings.push(format!(
-            "values at a pole, which is one direction, differ between azimuths by up to {:.2} %: their mean is taken",
-            100.0 * largest
-        ));
+        data.warnings.push(ReadNotice::Pole { difference: largest });
     }
 }
 

@@ -40,7 +40,8 @@ pub enum OpticsError {
     },
     #[error(
         "phase function of particles of {diameter_nm} nm at {wavelength_nm} nm: with {nodes} nodes g is still off by \
-         {difference:.1e}, expected 1e-6; take smaller particles (in a study `particle_diameter_nm`), or longer wavelengths"
+         {difference:.1e}, expected 1e-6; take smaller particles (in a study `particle_diameter_nm`), or longer \
+         wavelengths"
     )]
     PhaseUnresolved {
         wavelength_nm: f64,

@@ -32,8 +32,8 @@ pub enum OutputError {
         cause: io::Error,
     },
     #[error(
-        "{}: expected the state of a run, or no file, found another; this name belongs to the output: name another output, or move \
-         the file", path.display()
+        "{}: expected the state of a run, or no file, found another; this name belongs to the output: name another \
+         output, or move the file", path.display()
     )]
     NotScratch { path: PathBuf },
     #[error("{}: another run is writing there; wait for its end, or name another place", path.display())]

@@ -201,8 +201,9 @@ impl Display for Notice {
                 let at = |gain: &GrazingGain| format!("{} deg (factor {:.2})", gain.theta_i_deg, gain.white_albedo);
                 write!(
                     f,
-                    "shading with f* gains energy at grazing incidence: a white cloth would send out more light than falls on it at \
-                     {}; brightness factors there are too high, method = \"volumetric\" in [cloth] has no such limit",
+                    "shading with f* gains energy at grazing incidence: a white cloth would send out more light than \
+                     falls on it at {}; brightness factors there are too high, method = \"volumetric\" in [cloth] has \
+                     no such limit",
                     gains.iter().map(at).collect::<Vec<_>>().join(", ")
                 )
             }
@@ -217,21 +218,28 @@ impl Display for Notice {
             } => {
                 let mut words = Vec::new();
                 words.extend(seconds.map(|seconds| {
-                    format!("a long run: by an estimate it takes {} on one core", time_in_words(seconds))
+                    format!(
+                        "a long run: by an estimate it takes {} on one core",
+                        time_in_words(seconds)
+                    )
                 }));
                 words.extend(paths.map(|paths| paths.to_string()));
-                words.extend(longest.as_ref().map(|(key, value)| format!("most of it for `{key}` = {value}")));
+                words.extend(
+                    longest
+                        .as_ref()
+                        .map(|(key, value)| format!("most of it for `{key}` = {value}")),
+                );
                 f.write_str(&words.join("; "))
             }
             Self::ModelColours { why } => write!(
                 f,
-                "the model's colours are doubtful: the study has few wavelengths for them: {why}; take [spectrum] 390..730 nm in \
-                 steps of 10 nm"
+                "the model's colours are doubtful: the study has few wavelengths for them: {why}; take [spectrum] \
+                 390..730 nm in steps of 10 nm"
             ),
             Self::MeasuredColours { why } => write!(
                 f,
-                "the measured colours, and those of the classical shading made from them, are doubtful: {why}; measure 400..700 nm \
-                 in steps of 20 nm at most"
+                "the measured colours, and those of the classical shading made from them, are doubtful: {why}; measure \
+                 400..700 nm in steps of 20 nm at most"
             ),
             Self::WarpAndWeftDiffer => {
                 f.write_str("warp and weft differ: the energy ledger and the sweep are of the warp's yarn")
@@ -244,26 +252,26 @@ impl Display for Notice {
                 measured_chroma,
             } => write!(
                 f,
-                "model and sample plainly differ in colour: hue {model_hue_deg:.0} against {measured_hue_deg:.0} degrees, chroma \
-                 {model_chroma:.0} against {measured_chroma:.0} (CIE Lab at equal luminance): the verdicts compare two different \
-                 cloths; give the study the sample's dye (`medium.dye`)"
+                "model and sample plainly differ in colour: hue {model_hue_deg:.0} against {measured_hue_deg:.0} \
+                 degrees, chroma {model_chroma:.0} against {measured_chroma:.0} (CIE Lab at equal luminance): the \
+                 verdicts compare two different cloths; give the study the sample's dye (`medium.dye`)"
             ),
             Self::VerdictsWithheld => f.write_str(
-                "too few paths: the model's luminance is known to no better than a quarter of its value, so verdicts are withheld; \
-                 take more --paths",
+                "too few paths: the model's luminance is known to no better than a quarter of its value, so verdicts \
+                 are withheld; take more --paths",
             ),
             Self::FewPaths { paths, least } => write!(
                 f,
-                "too few paths: {paths} a tilt leave out the rare bright ones, so that standard errors are too small and verdicts are \
-                 withheld; take --paths {least} or more"
+                "too few paths: {paths} a tilt leave out the rare bright ones, so that standard errors are too small \
+                 and verdicts are withheld; take --paths {least} or more"
             ),
             Self::NoModelLight => {
                 f.write_str("the model sends no light to any view: there is nothing to normalise or to compare")
             }
             Self::LedgerNoise { noisy, rows } => write!(
                 f,
-                "too few paths: fractions of the energy ledger beyond 0 to 1 in {noisy} of {rows} rows, see their standard errors; \
-                 more paths (`trace.paths_bssrdf`, or --paths) narrow them"
+                "too few paths: fractions of the energy ledger beyond 0 to 1 in {noisy} of {rows} rows, see their \
+                 standard errors; more paths (`trace.paths_bssrdf`, or --paths) narrow them"
             ),
             Self::MorePaths {
                 relative_se,
@@ -271,13 +279,16 @@ impl Display for Notice {
                 paths,
             } => write!(
                 f,
-                "BLUE/RED of the model has a standard error of {1:.1} %: for 5 % it takes about {times:.1} times the paths of this \
-                 run, {0} a tilt in place of {paths} (`--paths {0}`), and as many times the tracing time",
+                "BLUE/RED of the model has a standard error of {1:.1} %: for 5 % it takes about {times:.1} times the \
+                 paths of this run, {0} a tilt in place of {paths} (`--paths {0}`), and as many times the tracing time",
                 (*paths as f64 * times).ceil(),
                 100.0 * relative_se,
             ),
             Self::Sweep { media, paths, batches } => {
-                write!(f, "sweep: {media} media, each with {paths} paths a tilt in {batches} batches")
+                write!(
+                    f,
+                    "sweep: {media} media, each with {paths} paths a tilt in {batches} batches"
+                )
             }
             Self::NoRatio { of, red, red_se } => {
                 let whose = match of {
@@ -286,16 +297,16 @@ impl Display for Notice {
                 };
                 write!(
                     f,
-                    "red of {whose}, {} with standard error {}, is as good as 0 beside its other components: no ratio to it is \
-                     shown",
+                    "red of {whose}, {} with standard error {}, is as good as 0 beside its other components: no ratio \
+                     to it is shown",
                     significant(*red, 3),
                     significant(*red_se, 2)
                 )
             }
             Self::MediaWithoutRatio { without, media } => write!(
                 f,
-                "{without} of the {media} media of the sweep and the study have no ratio to red, which is as good as 0: they are \
-                 not in the model's range"
+                "{without} of the {media} media of the sweep and the study have no ratio to red, which is as good as \
+                 0: they are not in the model's range"
             ),
             Self::SweepRange {
                 ratio,
@@ -317,8 +328,8 @@ impl Display for Notice {
                 )
             }
             Self::RgbSample => f.write_str(
-                "the sample is RGB, not spectral: its ratios have one convention, its own, and its luminance is the study's RGB \
-                 space's luminance of its RGB",
+                "the sample is RGB, not spectral: its ratios have one convention, its own, and its luminance is the \
+                 study's RGB space's luminance of its RGB",
             ),
         }
     }
@@ -328,9 +339,9 @@ impl Display for LongPaths {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         write!(
             f,
-            "a path meets about {} particles in a yarn (3 in the default study), so tracing takes that much longer: mu_s is up to {} \
-             1/mm, and of light in a host of index {} total reflection keeps most inside; bring `host_index` nearer to \
-             `particle_index`, lower `volume_fraction` or `radius_mm`, or trace fewer paths",
+            "a path meets about {} particles in a yarn (3 in the default study), so tracing takes that much longer: \
+             mu_s is up to {} 1/mm, and of light in a host of index {} total reflection keeps most inside; bring \
+             `host_index` nearer to `particle_index`, lower `volume_fraction` or `radius_mm`, or trace fewer paths",
             shown(self.particles),
             shown(self.mu_s_per_mm),
             shown(self.host_index)
@@ -341,18 +352,20 @@ impl Display for LongPaths {
 impl Display for Fallback {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         match self {
-            Self::NormalAdded => f.write_str(
-                "the rig has no normal incidence and view; it was added for the model's rows of Table 1",
-            ),
+            Self::NormalAdded => {
+                f.write_str("the rig has no normal incidence and view; it was added for the model's rows of Table 1")
+            }
             Self::IndependentEstimator => f.write_str(
-                "the host is dispersive: wavelengths part at the surface and cannot share paths; the independent estimator was used",
+                "the host is dispersive: wavelengths part at the surface and cannot share paths; the independent \
+                 estimator was used",
             ),
             Self::RoundYarnResponse => f.write_str(
-                "yarns are elliptical or of varying radius: f* is that of the round yarn of the mean radius; the volumetric method \
-                 has their shape",
+                "yarns are elliptical or of varying radius: f* is that of the round yarn of the mean radius; the \
+                 volumetric method has their shape",
             ),
             Self::YarnsShine => f.write_str(
-                "the yarns shine by themselves: the model has no gloss about the cloth's normal, the classical shading has",
+                "the yarns shine by themselves: the model has no gloss about the cloth's normal, the classical shading \
+                 has",
             ),
             Self::PublishedRatiosAlone { sample } => write!(
                 f,
@@ -362,8 +375,9 @@ impl Display for Fallback {
                 let incidences: Vec<String> = incidences_deg.iter().map(f64::to_string).collect();
                 write!(
                     f,
-                    "sample {sample} has no reading at any geometry of the study's [rig]: nothing is compared; its incidences are {} \
-                     degrees: set `rig.incidences_deg` to these, or `rig.geometries = \"auto\"` with the built-in angles",
+                    "sample {sample} has no reading at any geometry of the study's [rig]: nothing is compared; its \
+                     incidences are {} degrees: set `rig.incidences_deg` to these, or `rig.geometries = \"auto\"` with \
+                     the built-in angles",
                     incidences.join(", ")
                 )
             }
@@ -372,8 +386,8 @@ impl Display for Fallback {
             ),
             Self::OtherReference { at } => write!(
                 f,
-                "the sample has no reading with light at normal incidence and view: normalisation, the classical shading and the \
-                 sample's row of Table 1 are of the nearest one, incidence {} and view {} degrees",
+                "the sample has no reading with light at normal incidence and view: normalisation, the classical \
+                 shading and the sample's row of Table 1 are of the nearest one, incidence {} and view {} degrees",
                 at.theta_i_deg, at.theta_v_deg
             ),
             Self::UncertaintyNotStated => {
@@ -381,8 +395,8 @@ impl Display for Fallback {
             }
             Self::InterlacementAlone { draft } => write!(
                 f,
-                "of the draft {draft} the interlacement alone is taken: warp and weft have the study's yarns, and colours, spacings \
-                 and thicknesses of the file are left out"
+                "of the draft {draft} the interlacement alone is taken: warp and weft have the study's yarns, and \
+                 colours, spacings and thicknesses of the file are left out"
             ),
         }
     }

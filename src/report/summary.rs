@@ -115,7 +115,8 @@ pub fn effort_line(effort: &EffortNote) -> String {
         _ => "",
     };
     format!(
-        "effort: {} batches, each of {} paths a tilt and {} a direction of the ledger; stopped by {} (asked: {}){reached}{remedy}",
+        "effort: {} batches, each of {} paths a tilt and {} a direction of the ledger; stopped by {} (asked: \
+         {}){reached}{remedy}",
         effort.batches,
         effort.paths_per_batch.direct,
         effort.paths_per_batch.bssrdf,

@@ -88,7 +88,8 @@ fn csv_of<T: Serialize>(rows: &[T], header: &[&str]) -> Result<Vec<u8>, ReportEr
 /// `table1.md`: Table 1 for readers, with the ratios under every colour convention and footnotes on its rows.
 pub fn table1_markdown(data: &ReportData) -> String {
     let mut text = String::from("# Table 1. Colour ratios at normal illumination and view\n\n");
-    text += "Ratios of linear RGB components of the brightness factor, diffuse part, dimensionless; ± one standard error.\n\n";
+    text += "Ratios of linear RGB components of the brightness factor, diffuse part, dimensionless; ± one standard \
+             error.\n\n";
     let _ = writeln!(text, "Colour convention: {}.\n", data.colour_convention);
     text += "| | BLUE/RED | GREEN/RED |\n| --- | --- | --- |\n";
     for (label, blue, green) in formatted_rows(data, &data.table1) {
@@ -96,7 +97,8 @@ pub fn table1_markdown(data: &ReportData) -> String {
     }
     if !data.conventions.is_empty() {
         text += "\n## The same ratios under every colour convention\n\n";
-        text += "GREEN/RED of a red this deep is a small difference of large numbers: it moves with the convention far more than with the cloth.\n\n";
+        text += "GREEN/RED of a red this deep is a small difference of large numbers: it moves with the convention far \
+                 more than with the cloth.\n\n";
         text += "| Convention | | BLUE/RED | GREEN/RED |\n| --- | --- | --- | --- |\n";
         for convention in &data.conventions {
             for (label, blue, green) in formatted_rows(data, &convention.rows) {
@@ -116,7 +118,8 @@ pub fn table1_markdown(data: &ReportData) -> String {
     }
     let at = elsewhere(data).map_or_else(String::new, |at| {
         format!(
-            " At incidence {}° and view {}°, the reading nearest to normal incidence and view; the model's rows are of these.",
+            " At incidence {}° and view {}°, the reading nearest to normal incidence and view; the model's rows are of \
+             these.",
             at.theta_i_deg, at.theta_v_deg
         )
     });
@@ -138,9 +141,10 @@ pub fn table1_markdown(data: &ReportData) -> String {
             sample.licence.trim_end_matches('.')
         );
     }
-    text += "[^orders]: The same yarn, with a part of the paths: light that goes on from yarn to yarn is left out, as in the \
-             preprint, or followed to its end.\n";
-    text += "[^range]: Lowest and highest ratio over the study's parameter sweep; \"model\" is at the study's own parameters.\n";
+    text += "[^orders]: The same yarn, with a part of the paths: light that goes on from yarn to yarn is left out, as \
+             in the preprint, or followed to its end.\n";
+    text += "[^range]: Lowest and highest ratio over the study's parameter sweep; \"model\" is at the study's own \
+             parameters.\n";
     text
 }
 

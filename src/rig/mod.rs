@@ -103,7 +103,8 @@ pub enum RigError {
     #[error("views_deg: expected signed angles between -90 and 90 degrees (both excluded), found {found}")]
     View { found: f64 },
     #[error(
-        "a full measurement of {found} values is more than {most}; take larger --theta-step and --phi-step, or fewer wavelengths"
+        "a full measurement of {found} values is more than {most}; take larger --theta-step and --phi-step, or fewer \
+         wavelengths"
     )]
     TooManyValues { found: usize, most: usize },
     #[error("pixel samples: expected 1 to 65536 along x and along y, found {along_x} by {along_y}")]

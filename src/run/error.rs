@@ -22,8 +22,8 @@ pub enum RunError {
     #[error(transparent)]
     Study(#[from] StudyError),
     #[error(
-        "`{section}.dye`: {source}; nor is there a file of that name in the study's folder: take one of these names, or the path of \
-         a table wavelength_nm,value"
+        "`{section}.dye`: {source}; nor is there a file of that name in the study's folder: take one of these names, \
+         or the path of a table wavelength_nm,value"
     )]
     Dye {
         section: &'static str,
@@ -31,7 +31,8 @@ pub enum RunError {
     },
     /// A dye without values at the study's wavelengths.
     #[error(
-        "`{section}.dye`: {source}, or set `{section}.kappa_peak` to 0, which needs no dye, and absorb by `{section}.host_mu_a_per_mm`"
+        "`{section}.dye`: {source}, or set `{section}.kappa_peak` to 0, which needs no dye, and absorb by \
+         `{section}.host_mu_a_per_mm`"
     )]
     DyeRange {
         section: &'static str,
@@ -46,7 +47,8 @@ pub enum RunError {
         source: SpectrumError,
     },
     #[error(
-        "`cloth.backing`: {source}; take \"none\", \"black\", \"white\" or the path of a spectrum of reflectances from 0 to 1"
+        "`cloth.backing`: {source}; take \"none\", \"black\", \"white\" or the path of a spectrum of reflectances from \
+         0 to 1"
     )]
     Backing { source: SpectrumError },
     /// What is wrong with the value of a key, and where the key stands.
@@ -78,7 +80,8 @@ pub enum RunError {
     Colour(#[from] ColourError),
     /// Wavelengths of the study that carry no colour.
     #[error(
-        "`spectrum.{key}`: {source}; `specval measure`, and `specval bsdf` to ssdd or csv, write spectra and need no colour"
+        "`spectrum.{key}`: {source}; `specval measure`, and `specval bsdf` to ssdd or csv, write spectra and need no \
+         colour"
     )]
     Wavelengths {
         key: &'static str,
@@ -106,13 +109,13 @@ pub enum RunError {
     #[error(transparent)]
     Shard(#[from] ShardError),
     #[error(
-        "{}: expected the state of at most {most} batches, with which this run would end, found {found}; ask for as much as \
-         the run that left it, or remove it and start from the beginning", path.display()
+        "{}: expected the state of at most {most} batches, with which this run would end, found {found}; ask for as \
+         much as the run that left it, or remove it and start from the beginning", path.display()
     )]
     StateTooFar { path: PathBuf, found: usize, most: usize },
     #[error(
-        "the ratios of Table 1 are of normal incidence and view: expected both in `[rig]`, found none; add incidence 0 and \
-         view 0, or ask for the precision of `curves`"
+        "the ratios of Table 1 are of normal incidence and view: expected both in `[rig]`, found none; add incidence 0 \
+         and view 0, or ask for the precision of `curves`"
     )]
     NoNormal,
 }

@@ -97,8 +97,8 @@ impl FileKind {
             Self::Report => "its study is in `provenance.study`; `specval init` writes a study file",
             Self::Result => "draw its report again with `specval report --from RESULT`",
             Self::Curves => {
-                "give the sample's own readings; of the model, `specval measure` writes such readings, and `specval report` writes \
-                 these curves"
+                "give the sample's own readings; of the model, `specval measure` writes such readings, and `specval \
+                 report` writes these curves"
             }
             Self::Energy => {
                 "see it with `specval inspect FILE`; `specval trace` and `specval measure` write such ledgers"

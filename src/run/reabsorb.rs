@@ -44,19 +44,20 @@ impl fmt::Display for ReabsorptionNotice {
         match self.kind {
             NoticeKind::FewPathsCount => write!(
                 f,
-                "few of the paths still count: {:.1} % at {nm} nm, where cells with {share:.0} % of the light are left with less than 10 %",
+                "few of the paths still count: {:.1} % at {nm} nm, where cells with {share:.0} % of the light are left \
+                 with less than 10 %",
                 100.0 * self.value
             ),
             NoticeKind::BinsTooWide => write!(
                 f,
-                "the bins of path length are too wide for the change: systematic error {:.1} % at {nm} nm, more than the statistical \
-                 one for {share:.0} % of the light",
+                "the bins of path length are too wide for the change: systematic error {:.1} % at {nm} nm, more than \
+                 the statistical one for {share:.0} % of the light",
                 100.0 * self.value
             ),
             NoticeKind::OpenBin => write!(
                 f,
-                "light comes back from paths longer than the bins reach: {share:.0} % of it at {nm} nm, with a change over {:.2} mean \
-                 lengths",
+                "light comes back from paths longer than the bins reach: {share:.0} % of it at {nm} nm, with a change \
+                 over {:.2} mean lengths",
                 self.value
             ),
             NoticeKind::Scattering => write!(

@@ -16,8 +16,8 @@ pub enum ShardError {
     #[error("expected K/N, shard K of N with K from 1 to N, such as 3/16; found \"{found}\"")]
     Name { found: String },
     #[error(
-        "shard {shard}: expected at most {batches} shards, one for each of the study's batches, found {}; make fewer, or raise \
-         `trace.batches` for all of them", shard.of
+        "shard {shard}: expected at most {batches} shards, one for each of the study's batches, found {}; make fewer, \
+         or raise `trace.batches` for all of them", shard.of
     )]
     TooMany { shard: Shard, batches: usize },
     #[error("no shards; name the files that `specval trace --shard` wrote")]

@@ -7,11 +7,11 @@ use crate::text::remedy_for_brdf;
 pub(super) struct SampleColumns {
     pub(super) theta_i: usize,
     pub(super) theta_v: usize,
-    pub(super) values: Values,
+    pub(super) values: ValueColumns,
 }
 
 /// Where β stands; errors are as many as values, or none.
-pub(super) enum Values {
+pub(super) enum ValueColumns {
     /// Red, green and blue of a line.
     Rgb { beta: Vec<usize>, se: Vec<usize> },
     /// One wavelength a line.
@@ -32,9 +32,9 @@ impl SampleColumns {
     pub(super) fn places(&self) -> (Vec<usize>, Vec<usize>) {
         let of = |list: &[(f64, usize)]| list.iter().map(|(_, column)| *column).collect();
         match &self.values {
-            Values::Rgb { beta, se } => (beta.clone(), se.clone()),
-            Values::Long { beta, se, .. } => (vec![*beta], se.iter().copied().collect()),
-            Values::Wide { beta, se } => (of(beta), of(se)),
+            ValueColumns::Rgb { beta, se } => (beta.clone(), se.clone()),
+            ValueColumns::Long { beta, se, .. } => (vec![*beta], se.iter().copied().collect()),
+            ValueColumns::Wide { beta, se } => (of(beta), of(se)),
         }
     }
 
@@ -50,7 +50,7 @@ impl SampleColumns {
         let theta_i = find.required("theta_i_deg")?;
         let theta_v = find.required("theta_v_deg")?;
         let values = if let Some(wavelength) = find.optional("wavelength_nm") {
-            Values::Long {
+            ValueColumns::Long {
                 wavelength,
                 beta: find.required("beta")?,
                 se: find.optional("beta_se"),
@@ -71,7 +71,7 @@ impl SampleColumns {
                     .collect::<Result<Vec<_>, _>>()?,
                 false => Vec::new(),
             };
-            Values::Rgb { beta, se }
+            ValueColumns::Rgb { beta, se }
         };
         if let Some(unknown) = (0..table.columns().len()).find(|column| !find.used.contains(column)) {
             let known: Vec<&str> = find.used.iter().map(|&c| table.columns()[c].as_str()).collect();
@@ -117,7 +117,7 @@ impl Finder<'_> {
 
     /// Two or more columns named by wavelengths. One named by a number that is no wavelength in nm is refused with its
     /// unit.
-    fn wide(&mut self) -> Result<Option<Values>, Box<CsvError>> {
+    fn wide(&mut self) -> Result<Option<ValueColumns>, Box<CsvError>> {
         let (mut beta, mut se) = (Vec::new(), Vec::new());
         for (column, name) in self.table.columns().iter().enumerate() {
             let (stem, list) = match name.to_ascii_lowercase().strip_suffix("_se") {
@@ -155,6 +155,6 @@ impl Finder<'_> {
             );
         }
         self.used.extend(beta.iter().chain(&se).map(|(_, column)| column));
-        Ok(Some(Values::Wide { beta, se }))
+        Ok(Some(ValueColumns::Wide { beta, se }))
     }
 }

@@ -71,8 +71,9 @@ pub struct Chosen {
 }
 
 impl Chosen {
-    pub(super) const REMEDY: &str = "choose one that the file has: --scatter and --side of `report`, `check --sample` and `colour` say \
-                          which, or `specval convert FILE OUT` with them writes it as a file of its own";
+    pub(super) const REMEDY: &str = "choose one that the file has: --scatter and --side of `report`, `check --sample` \
+                                     and `colour` say which, or `specval convert FILE OUT` with them writes it as a \
+                                     file of its own";
 
     pub(super) fn or_default(self) -> (Scatter, Side) {
         (

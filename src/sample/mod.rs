@@ -5,6 +5,7 @@ mod columns;
 mod curves;
 mod description;
 mod error;
+mod geometries;
 mod goniometric;
 mod load;
 mod measured;

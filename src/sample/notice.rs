@@ -1,7 +1,8 @@
 //! What the reader of a sample assumed, left out or found implausible.
 
+use crate::goniometric::ReadNotice;
 use crate::number::{shown, significant};
-use crate::spectrum::Doubt;
+use crate::spectrum::{Doubt, TextNotice};
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 
@@ -9,8 +10,12 @@ use std::fmt::{self, Display, Formatter};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "id", rename_all = "kebab-case")]
 pub enum SampleNotice {
-    /// Of the table or format of the file, such as its encoding or its decimal sign, in the words of its reader.
+    /// Of the file, in words: read back from results that were written before these notices were typed.
     File { words: String },
+    /// Of the text or the table of the file, such as its encoding or its decimal sign.
+    Text { notice: TextNotice },
+    /// Of the reader of a goniometric file.
+    Format { notice: ReadNotice },
     /// Values or angles that look like those of another unit, or readings that repeat.
     Doubt { doubt: Doubt },
     /// Columns that were read by another name. `unsigned`: no view is below 0.
@@ -36,9 +41,21 @@ pub enum SampleNotice {
 }
 
 impl SampleNotice {
-    /// Of notices that the reader of the file worded.
-    pub(super) fn of_file(words: &[String]) -> impl Iterator<Item = Self> {
-        words.iter().map(|words| Self::File { words: words.clone() })
+    /// Those of the reader of the file.
+    pub(super) fn of_file<N: Clone + Into<Self>>(notices: &[N]) -> impl Iterator<Item = Self> {
+        notices.iter().cloned().map(Into::into)
+    }
+}
+
+impl From<TextNotice> for SampleNotice {
+    fn from(notice: TextNotice) -> Self {
+        Self::Text { notice }
+    }
+}
+
+impl From<ReadNotice> for SampleNotice {
+    fn from(notice: ReadNotice) -> Self {
+        Self::Format { notice }
     }
 }
 
@@ -52,6 +69,8 @@ impl Display for SampleNotice {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         match self {
             Self::File { words } => f.write_str(words),
+            Self::Text { notice } => notice.fmt(f),
+            Self::Format { notice } => notice.fmt(f),
             Self::Doubt { doubt } => doubt.fmt(f),
             Self::RenamedColumns { columns, unsigned } => {
                 let sign = match unsigned {
@@ -66,7 +85,8 @@ impl Display for SampleNotice {
             }
             Self::AnglesOfWavelengths { largest_deg } => write!(
                 f,
-                "angles of the sample differ between the wavelengths of a geometry, by up to {} degrees: their means are taken",
+                "angles of the sample differ between the wavelengths of a geometry, by up to {} degrees: their means \
+                 are taken",
                 significant(*largest_deg, 2)
             ),
             Self::NegativeValues { count, lowest } => write!(

@@ -5,13 +5,15 @@ use crate::text::CsvError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpectrumError {
     #[error(
-        "wavelengths must be finite, positive and strictly ascending in nm; entry {index} is {found}; sort them, each once, and give them in nm"
+        "wavelengths must be finite, positive and strictly ascending in nm; entry {index} is {found}; sort them, each \
+         once, and give them in nm"
     )]
     NotAscending { index: usize, found: f64 },
     #[error("expected at least one wavelength, found none; give one in nm")]
     Empty,
     #[error(
-        "{name} is tabulated for {low}..{high} nm and has no value at {found} nm; give a table that reaches so far, or fewer wavelengths"
+        "{name} is tabulated for {low}..{high} nm and has no value at {found} nm; give a table that reaches so far, or \
+         fewer wavelengths"
     )]
     OutsideTable {
         name: String,
@@ -26,7 +28,8 @@ pub enum SpectrumError {
         found: usize,
     },
     #[error(
-        "{name}: value at {wavelength_nm} nm is {found}, expected a finite number; replace it by a reading, or leave its wavelength out"
+        "{name}: value at {wavelength_nm} nm is {found}, expected a finite number; replace it by a reading, or leave \
+         its wavelength out"
     )]
     NotFinite {
         name: String,

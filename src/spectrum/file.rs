@@ -3,11 +3,11 @@ use std::path::Path;
 
 use super::error::SpectrumError;
 use super::function::Spectrum;
-use super::layout::{Named, Values, ascending, bands, by_set, by_wavelength};
+use super::layout::{AllowedValues, Named, ascending, bands, by_set, by_wavelength};
 use super::observer::ObserverTables;
 use super::samples::Samples;
 use crate::input::read_file;
-use crate::text::{Cgats, CsvTable, band_nm, is_cgats, lines_of};
+use crate::text::{Cgats, CsvTable, TextNotice, band_nm, is_cgats, lines_of};
 
 /// Largest file of spectra.
 const MOST_BYTES: u64 = 8 << 20;
@@ -31,7 +31,7 @@ pub fn parse_spectrum(name: &str, bytes: &[u8], allowed: impl RangeBounds<f64>) 
         let remedy = "keep one column of values, value, beside wavelength_nm, or one set";
         Err(source.table().header_error(expected, &found, remedy).into())
     };
-    let mut spectra = source.spectra(&Values::of(&allowed))?;
+    let mut spectra = source.spectra(&AllowedValues::of(&allowed))?;
     if spectra.len() != 1 {
         return refuse("one spectrum", spectra.len().to_string());
     }
@@ -49,7 +49,7 @@ pub fn parse_spectrum(name: &str, bytes: &[u8], allowed: impl RangeBounds<f64>) 
 /// The first place where the file departs from that.
 pub fn parse_observer(name: &str, bytes: &[u8]) -> Result<ObserverTables, SpectrumError> {
     let (source, _) = SpectrumText::parse(name, bytes)?;
-    let mut spectra = source.spectra(&Values::of(&(0.0..)))?;
+    let mut spectra = source.spectra(&AllowedValues::of(&(0.0..)))?;
     spectra.sort_by_key(|(title, _)| title.to_ascii_lowercase());
     let titles: Vec<&str> = spectra.iter().map(|(title, _)| title.as_str()).collect();
     let named = titles.iter().map(|title| title.to_ascii_lowercase());
@@ -74,7 +74,7 @@ pub struct SpectraFile {
     /// By name; one at least.
     pub spectra: Vec<(String, Samples)>,
     /// What was read in another way than its plain meaning.
-    pub notices: Vec<String>,
+    pub notices: Vec<TextNotice>,
     /// Key words of CGATS text that state an illuminant or an observer, with their values.
     pub stated: Vec<(String, String)>,
 }
@@ -100,7 +100,7 @@ impl SpectraFile {
     /// As [`SpectraFile::read`].
     pub fn parse(name: &str, bytes: &[u8]) -> Result<Self, SpectrumError> {
         let (source, encoding) = SpectrumText::parse(name, bytes)?;
-        let spectra = source.spectra(&Values::of(&..))?;
+        let spectra = source.spectra(&AllowedValues::of(&..))?;
         let mut notices = source.table().notices().to_vec();
         notices.extend(encoding);
         let stated = match &source {
@@ -138,7 +138,7 @@ enum SpectrumText {
 
 impl SpectrumText {
     /// And a notice of the file's encoding.
-    fn parse(name: &str, bytes: &[u8]) -> Result<(Self, Option<String>), SpectrumError> {
+    fn parse(name: &str, bytes: &[u8]) -> Result<(Self, Option<TextNotice>), SpectrumError> {
         let (text, encoding) = lines_of(name, bytes)?;
         let source = match is_cgats(&text) {
             true => {
@@ -159,7 +159,7 @@ impl SpectrumText {
     }
 
     /// One at least.
-    fn spectra(&self, values: &Values) -> Result<Named, SpectrumError> {
+    fn spectra(&self, values: &AllowedValues) -> Result<Named, SpectrumError> {
         let table = match self {
             Self::Csv(table) => table,
             Self::Cgats(cgats) => return of_cgats(cgats, values),
@@ -177,15 +177,15 @@ impl SpectrumText {
             None => {
                 let expected = "a column wavelength_nm, or columns titled with wavelengths in nm";
                 let found = table.columns().join(",");
-                let remedy = "name the columns in the first line, as in wavelength_nm,value, with commas, semicolons or tabs \
-                              between them, and give wavelengths in nm";
+                let remedy = "name the columns in the first line, as in wavelength_nm,value, with commas, semicolons \
+                              or tabs between them, and give wavelengths in nm";
                 Err(table.header_error(expected, &found, remedy).into())
             }
         }
     }
 }
 
-fn of_cgats(cgats: &Cgats, values: &Values) -> Result<Named, SpectrumError> {
+fn of_cgats(cgats: &Cgats, values: &AllowedValues) -> Result<Named, SpectrumError> {
     let table = &cgats.table;
     // The first of the names that is there.
     let field = |names: &[&str]| {

@@ -6,21 +6,21 @@ use super::error::SpectrumError;
 use super::grid::WavelengthGrid;
 use super::plausibility;
 use super::samples::Samples;
-use crate::text::{CsvTable, band_nm};
+use crate::text::{CsvTable, TextNotice, band_nm};
 
 /// Spectra by name.
 pub(super) type Named = Vec<(String, Samples)>;
 
 /// What values a file may hold, and what they are over.
 #[derive(Clone)]
-pub(super) struct Values {
+pub(super) struct AllowedValues {
     low: Bound<f64>,
     high: Bound<f64>,
     expected: String,
     norm: f64,
 }
 
-impl Values {
+impl AllowedValues {
     pub(super) fn of(allowed: &impl RangeBounds<f64>) -> Self {
         let (low, high) = (allowed.start_bound().cloned(), allowed.end_bound().cloned());
         let expected = match (low, high) {
@@ -59,7 +59,11 @@ impl Values {
 }
 
 /// Every column of values, on the common grid of the column of wavelengths.
-pub(super) fn by_wavelength(table: &CsvTable, wavelengths: usize, values: &Values) -> Result<Named, SpectrumError> {
+pub(super) fn by_wavelength(
+    table: &CsvTable,
+    wavelengths: usize,
+    values: &AllowedValues,
+) -> Result<Named, SpectrumError> {
     let mut nm = Vec::with_capacity(table.len());
     for row in 0..table.len() {
         let found = table.number(row, wavelengths, "a wavelength in nm")?;
@@ -74,8 +78,8 @@ pub(super) fn by_wavelength(table: &CsvTable, wavelengths: usize, values: &Value
             let expected = format!("a wavelength above {previous} nm");
             let remedy = match found == previous {
                 true => {
-                    "keep one of the two rows of this wavelength, or their mean; readings over incidence and view need the columns theta_i_deg \
-                         and theta_v_deg"
+                    "keep one of the two rows of this wavelength, or their mean; readings over incidence and view need \
+                     the columns theta_i_deg and theta_v_deg"
                 }
                 false => "give wavelengths above 0 nm, in one column",
             };
@@ -132,18 +136,16 @@ pub(super) fn ascending(table: CsvTable) -> CsvTable {
             .zip(cells(*b))
             .all(|(a, b)| table.text(a.0, a.1) == table.text(b.0, b.1))
     });
-    let repeated = plausibility::repeated(table.len() - rows.len()).map(|doubt| doubt.to_string());
-    let sorted = (!is_sorted).then(|| {
-        format!(
-            "wavelengths stand in another order in the file, from {} to {} nm: sorted with their values",
-            nm[0],
-            nm[nm.len() - 1]
-        )
+    let repeated = table.len() - rows.len();
+    let repeated = (repeated > 0).then_some(TextNotice::RepeatedLines { lines: repeated });
+    let sorted = (!is_sorted).then(|| TextNotice::SortedWavelengths {
+        first_nm: nm[0],
+        last_nm: nm[nm.len() - 1],
     });
-    let notices: Vec<String> = sorted.into_iter().chain(repeated).collect();
+    let notices: Vec<TextNotice> = sorted.into_iter().chain(repeated).collect();
     match notices.is_empty() {
         true => table,
-        false => table.reordered(&rows, notices.join("; ")),
+        false => table.reordered(&rows, notices),
     }
 }
 
@@ -172,7 +174,7 @@ pub(super) fn by_set(
     table: &CsvTable,
     names: Option<usize>,
     bands: &[(usize, f64)],
-    values: &Values,
+    values: &AllowedValues,
 ) -> Result<Named, SpectrumError> {
     let grid = WavelengthGrid::new(bands.iter().map(|&(_, nm)| nm).collect())?;
     let set = |row: usize| {

@@ -20,5 +20,5 @@ pub use naming::UnknownName;
 pub use plausibility::Doubt;
 pub use samples::Samples;
 
-pub use crate::text::CsvError;
 pub(crate) use crate::text::CsvTable;
+pub use crate::text::{CsvError, TextNotice};

@@ -1,6 +1,8 @@
 /// A name that is not among the known ones.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{kind} '{found}' is not known; known: {}{}", .known.join(", "), .nearest.as_ref().map(|n| format!("; did you mean '{n}'?")).unwrap_or_default())]
+#[error("{kind} '{found}' is not known; known: {}{}", .known.join(", "), .nearest.as_ref().map(|n| format!("; did you \
+                                                                                                            mean \
+                                                                                                            '{n}'?")).unwrap_or_default())]
 pub struct UnknownName {
     /// What was to be named, such as "dye".
     pub kind: &'static str,

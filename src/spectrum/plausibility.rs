@@ -2,6 +2,7 @@
 //! them changes a value. Shared by samples, spectra and media.
 
 use crate::number::nan_from_null;
+use crate::text::TextNotice;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 use std::ops::{Bound, RangeBounds};
@@ -51,14 +52,15 @@ impl Display for Doubt {
         match self {
             Self::PerCent { what, share, highest } => write!(
                 f,
-                "{what} is above {FRACTION} in {} % of the values away from mirror and light, up to {}, where 1 is a perfect \
-                 diffuser: these look like per cent; divide them by 100",
+                "{what} is above {FRACTION} in {} % of the values away from mirror and light, up to {}, where 1 is a \
+                 perfect diffuser: these look like per cent; divide them by 100",
                 (100.0 * share).round(),
                 rounded(*highest)
             ),
             Self::High { what, highest } => write!(
                 f,
-                "{what}: the highest value is {}, where 1 is a perfect diffuser; if these are per cent, divide them by 100",
+                "{what}: the highest value is {}, where 1 is a perfect diffuser; if these are per cent, divide them by \
+                 100",
                 rounded(*highest)
             ),
             Self::BelowZero { what, count, lowest } => write!(
@@ -77,10 +79,7 @@ impl Display for Doubt {
                 "no angle is beyond {}: these look like radians read as degrees; multiply them by 180/pi = 57.29578",
                 rounded(*largest)
             ),
-            Self::Repeated { lines } => {
-                let repeat = if *lines == 1 { "line repeats" } else { "lines repeat" };
-                write!(f, "{lines} {repeat} a reading with the same value: taken once")
-            }
+            Self::Repeated { lines } => TextNotice::RepeatedLines { lines: *lines }.fmt(f),
         }
     }
 }

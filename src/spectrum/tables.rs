@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use super::error::SpectrumError;
 use super::function::Spectrum;
-use super::layout::{self, Values};
+use super::layout::{self, AllowedValues};
 use super::naming::UnknownName;
 pub use super::observer::ObserverTables;
 use crate::text::CsvTable;
@@ -91,7 +91,7 @@ fn observer_of(name: &'static str, csv: &str) -> Result<ObserverTables, Spectrum
 /// `what` is how errors call these spectra.
 fn named(what: &str, csv: &str) -> Result<Named, SpectrumError> {
     let table = CsvTable::parse(what, csv.as_bytes())?;
-    let spectra = layout::by_wavelength(&table, 0, &Values::of(&..))?;
+    let spectra = layout::by_wavelength(&table, 0, &AllowedValues::of(&..))?;
     Ok(spectra
         .into_iter()
         .map(|(title, samples)| {

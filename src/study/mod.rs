@@ -19,6 +19,7 @@ mod parse;
 mod paths;
 mod sections;
 mod validate;
+mod vary;
 
 use crate::spectrum::Samples;
 

@@ -3,6 +3,7 @@
 use super::decimals::Decimals;
 use super::encoding::decode;
 use super::foreign::foreign;
+use super::notice::TextNotice;
 use super::records::{Record, Rows, is_comment, stated_separator};
 use super::table::{CsvError, CsvTable, shortened};
 use super::{titles, units};
@@ -34,10 +35,7 @@ impl CsvTable {
         let text = text.strip_suffix('\u{1a}').unwrap_or(text);
         let commented = without_preamble(text);
         if let Some((count, _)) = &commented {
-            let lines = if *count == 1 { "line" } else { "lines" };
-            table.notices.push(format!(
-                "{count} {lines} before the titles of the columns: passed over as comments"
-            ));
+            table.notices.push(TextNotice::Preamble { lines: *count });
         }
         let text = commented.as_ref().map_or(text, |(_, text)| text);
         let spaced = tabbed(text);
@@ -104,7 +102,8 @@ impl CsvTable {
         let found = format!("{}", cells.len());
         let remedy = match separator {
             b',' if cells.len() > columns => {
-                "separate values by commas, one for each title; numbers with a decimal comma need semicolons between them"
+                "separate values by commas, one for each title; numbers with a decimal comma need semicolons between \
+                 them"
             }
             b',' => "separate values by commas",
             b';' => "separate values by semicolons, as the titles are",
@@ -139,8 +138,7 @@ impl CsvTable {
                 dropped.push(column);
             } else if column == 0 && self.len() > 0 && (counts_from(0) || counts_from(1)) {
                 dropped.push(column);
-                self.notices
-                    .push("the first column has no title and counts the rows: passed over".into());
+                self.notices.push(TextNotice::RowNumbers);
             } else if column == 0 && (0..self.len()).all(|row| self.text(row, 0).parse::<f64>().is_err()) {
                 self.columns[0] = "name".into();
             } else {
@@ -153,7 +151,7 @@ impl CsvTable {
 }
 
 /// Text of a file with lines that end with `\n`, and a notice of its encoding.
-pub(crate) fn lines_of(name: &str, bytes: &[u8]) -> Result<(String, Option<String>), Box<CsvError>> {
+pub(crate) fn lines_of(name: &str, bytes: &[u8]) -> Result<(String, Option<TextNotice>), Box<CsvError>> {
     if let Some(found) = foreign(bytes) {
         return Err(Box::new(CsvError {
             name: name.into(),
@@ -319,8 +317,9 @@ mod tests {
         assert_eq!(cells("a,b\n\"x \"\"y\"\", z\",1\n")[1], ["x \"y\", z", "1"]);
         assert_eq!(cells("\"name\",\"390\"\n\"#1\",0.5\n")[1], ["#1", "0.5"]);
         assert_eq!(cells("\"\",\"390\"\n\"red\",0.5\n")[0], ["name", "390"]);
-        let notices = CsvTable::parse("t", b"a;b\n1;0,25\n").unwrap().notices().join(" ");
-        assert!(notices.contains("0,25 on line 2: read as 0.25"), "{notices}");
+        let notices = CsvTable::parse("t", b"a;b\n1;0,25\n").unwrap().notices().to_vec();
+        let words = notices.iter().map(ToString::to_string).collect::<Vec<_>>();
+        assert!(words.join(" ").contains("0,25 on line 2: read as 0.25"), "{words:?}");
     }
 
     #[test]

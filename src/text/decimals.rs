@@ -1,3 +1,5 @@
+use super::notice::TextNotice;
+
 /// Decimal commas of a table: commas that separate nothing.
 #[derive(Default)]
 pub(super) struct Decimals {
@@ -46,13 +48,13 @@ impl Decimals {
         })
     }
 
-    pub(super) fn notice(&self) -> Option<String> {
+    pub(super) fn notice(&self) -> Option<TextNotice> {
         let (line, first) = self.first_comma.as_ref()?;
-        let count = self.commas;
-        Some(format!(
-            "{count} numbers have a decimal comma, the first {first} on line {line}: read as {}",
-            first.replace(',', ".")
-        ))
+        Some(TextNotice::DecimalCommas {
+            cells: self.commas,
+            first: first.clone(),
+            line: *line,
+        })
     }
 }
 

@@ -1,3 +1,4 @@
+use super::notice::TextNotice;
 use std::borrow::Cow;
 
 use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
@@ -8,7 +9,7 @@ pub(crate) struct Decoded<'a> {
     /// Without byte order mark.
     pub(crate) text: Cow<'a, str>,
     /// What the bytes were taken for, where neither a mark nor a declaration says it and they are not UTF-8.
-    pub(crate) notice: Option<String>,
+    pub(crate) notice: Option<TextNotice>,
 }
 
 /// Bytes that are no text of a supported encoding.
@@ -50,9 +51,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Decoded<'_>, NotText> {
     if text.contains('\0') {
         return Err(not_text(bytes, bytes.iter().position(|&b| b == 0).unwrap_or(0)));
     }
-    let notice = guessed.then(|| {
-        "the text is not UTF-8 and was read as Windows-1252 (Latin-1): letters beyond ASCII may differ, numbers do not".into()
-    });
+    let notice = guessed.then_some(TextNotice::GuessedEncoding);
     Ok(Decoded { text, notice })
 }
 

@@ -1,10 +1,12 @@
 use std::collections::HashSet;
 
+use super::notice::TextNotice;
 use super::{bands, titles, units};
 
 /// Where a table (CSV or CGATS text) departs from what was expected, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{name}, line {line}{}: expected {expected}, found {found}; {remedy}", .column.as_ref().map(|c| format!(", column {c}")).unwrap_or_default())]
+#[error("{name}, line {line}{}: expected {expected}, found {found}; {remedy}", .column.as_ref().map(|c| format!(", \
+                                                                                                                 column {c}")).unwrap_or_default())]
 pub struct CsvError {
     /// File or table.
     pub name: String,
@@ -33,7 +35,7 @@ pub(crate) struct CsvTable {
     /// Of each row.
     lines: Vec<usize>,
     /// What was read in another way than its plain meaning.
-    pub(super) notices: Vec<String>,
+    pub(super) notices: Vec<TextNotice>,
     /// Columns known by another name than the documented one: what they were taken for.
     renamed: Vec<String>,
     /// The first comments, without their mark.
@@ -167,7 +169,7 @@ impl CsvTable {
     }
 
     /// The rows in another order, or some of them; `why` tells the user.
-    pub(crate) fn reordered(self, rows: &[usize], why: String) -> Self {
+    pub(crate) fn reordered(self, rows: &[usize], why: Vec<TextNotice>) -> Self {
         let mut table = Self {
             columns: self.columns.clone(),
             ..Self::new(&self.name)
@@ -179,7 +181,7 @@ impl CsvTable {
             );
         }
         let mut notices = self.notices;
-        notices.push(why);
+        notices.extend(why);
         Self {
             header_line: self.header_line,
             notices,
@@ -218,7 +220,7 @@ impl CsvTable {
     }
 
     /// What was read in another way than its plain meaning, for the user.
-    pub(crate) fn notices(&self) -> &[String] {
+    pub(crate) fn notices(&self) -> &[TextNotice] {
         &self.notices
     }
 

@@ -3,7 +3,7 @@ use crate::fault::{self, Fault};
 use crate::optics::{Phase, PhaseTable};
 
 /// Scattering angles drawn from phase functions, one for each lane.
-pub(super) struct Turns {
+pub(super) struct Deflections {
     /// Column of the alias table it is drawn from, position in that column from 0 to 1, and contents of the column.
     column: [u64; LANES],
     rest: [f64; LANES],
@@ -15,7 +15,7 @@ pub(super) struct Turns {
     pub place: [f64; LANES],
 }
 
-impl Default for Turns {
+impl Default for Deflections {
     fn default() -> Self {
         Self {
             column: [0; LANES],
@@ -93,7 +93,7 @@ impl<'a> Angles<'a> {
     /// uniform random number `u` in [0, 1). Separate from [`Angles::draw`] because vector loads stall on values just
     /// written lane by lane.
     #[inline(always)]
-    pub fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], deflection: &mut Turns) {
+    pub fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], deflection: &mut Deflections) {
         match self {
             Self::Tables(columns) if fault::active(Fault::NeighbourAngle) => {
                 let wavelengths = (columns.columns.len() / columns.intervals) as f64;
@@ -110,7 +110,7 @@ impl<'a> Angles<'a> {
 
     /// Second half of a draw: computes the angles from what [`Angles::fetch`] loaded.
     #[inline(always)]
-    pub fn draw(&self, deflection: &mut Turns) {
+    pub fn draw(&self, deflection: &mut Deflections) {
         if let Self::Tables(columns) = self {
             columns.draw(deflection);
         }
@@ -119,7 +119,7 @@ impl<'a> Angles<'a> {
 
 impl Columns {
     #[inline(always)]
-    fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], deflection: &mut Turns) {
+    fn fetch(&self, wavelength: &[f64; LANES], u: &[f64; LANES], deflection: &mut Deflections) {
         let intervals = self.intervals as f64;
         for i in 0..LANES {
             let at = u[i] * intervals;
@@ -139,7 +139,7 @@ impl Columns {
     }
 
     #[inline(always)]
-    fn draw(&self, deflection: &mut Turns) {
+    fn draw(&self, deflection: &mut Deflections) {
         let step = 1.0 / self.intervals as f64;
         let of = &deflection.fetched;
         let (mut v, mut lean) = ([0.0; LANES], [0.0; LANES]);
@@ -230,7 +230,7 @@ mod tests {
         let n = 2_000_000;
         let mut mean = 0.0;
         let mut shares = vec![0.0; 180];
-        let mut deflection = Turns::default();
+        let mut deflection = Deflections::default();
         for i in 0..n / LANES {
             let u = std::array::from_fn(|lane| ((i * LANES + lane) as f64 + 0.5) / n as f64);
             angles.fetch(&[1.0; LANES], &u, &mut deflection);

@@ -1,5 +1,5 @@
 use super::Shape;
-use super::angles::{Angles, Turns};
+use super::angles::{Angles, Deflections};
 use super::lane_math::{LANES, ln, sin_cos_turns, unit};
 use super::stream::LaneStream;
 use crate::optics::fresnel::{self, Interface};
@@ -51,7 +51,7 @@ pub(super) struct Step {
     pub normal: Lanes3,
     pub cos_i: [f64; LANES],
     pub cos_t: [f64; LANES],
-    pub deflection: Turns,
+    pub deflection: Deflections,
     /// Uniform random numbers for the azimuth of scattering and for Russian roulette.
     for_azimuth: [f64; LANES],
     pub for_roulette: [f64; LANES],

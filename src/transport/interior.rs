@@ -1,5 +1,5 @@
 use super::TransportError;
-use super::angles::{Angles, Turns, common_tables};
+use super::angles::{Angles, Deflections, common_tables};
 use crate::optics::Phase;
 use std::f64::consts::PI;
 
@@ -171,7 +171,7 @@ impl<'a> Interior<'a> {
 
     /// Multiplies each wavelength's `share` by the ratio of its μ_s p(θ) to that of the hero.
     #[inline(always)]
-    pub(super) fn weigh(&self, hero: usize, deflection: &Turns, lane: usize, share: &mut [Single]) {
+    pub(super) fn weigh(&self, hero: usize, deflection: &Deflections, lane: usize, share: &mut [Single]) {
         match &self.density {
             Density::Rows(rows) => {
                 let first = deflection.interval[lane] as usize * share.len();

@@ -3,6 +3,7 @@
 mod angles;
 mod entrance;
 mod flights;
+mod groups;
 mod interior;
 mod lane_math;
 mod ledger;

@@ -1,5 +1,6 @@
 //! Sections and keys of a WIF file.
 
+use super::notice::DraftNotice;
 use crate::formats::{FormatError, Text, quoted, remedy};
 
 /// `key=value` and where the key begins.
@@ -20,7 +21,7 @@ pub(super) struct Ini<'a> {
     pub(super) text: Text<'a>,
     sections: Vec<IniSection<'a>>,
     /// Warnings about ignored content.
-    pub(super) warnings: Vec<String>,
+    pub(super) warnings: Vec<DraftNotice>,
 }
 
 /// Sections whose lines are read; others, private ones among them, may hold anything.
@@ -105,10 +106,7 @@ impl<'a> Ini<'a> {
         }
         let mut warnings = Vec::new();
         if before > 0 {
-            let lines = if before == 1 { "line" } else { "lines" };
-            warnings.push(format!(
-                "text before the first section is passed over ({before} {lines})"
-            ));
+            warnings.push(DraftNotice::BeforeSections { lines: before });
         }
         Ok(Self {
             text,

@@ -1,7 +1,11 @@
 //! Weave drafts, built in or from files: what a weaver's program wrote, as the interlacement and colours of a cloth.
 
 mod ini;
+mod notice;
+mod threads;
 mod wif;
+
+pub use notice::DraftNotice;
 
 use std::collections::HashMap;
 
@@ -29,7 +33,7 @@ pub struct WeaveDraft {
     pub warps: Vec<Thread>,
     pub wefts: Vec<Thread>,
     /// Assumptions that the reader made.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<DraftNotice>,
 }
 
 /// A thread as the file describes it; values that the file omits stay `None`.
@@ -134,7 +138,9 @@ impl WeaveDraft {
     pub fn parse(path: &str, bytes: &[u8]) -> Result<Self, FormatError> {
         let decoded = crate::formats::decode(path, bytes)?;
         let mut draft = wif::parse(path, &decoded.text)?;
-        draft.warnings.extend(decoded.notice);
+        draft
+            .warnings
+            .extend(decoded.notice.map(|notice| DraftNotice::Text { notice }));
         Ok(draft)
     }
 }

@@ -230,7 +230,8 @@ fn grazing_incidence_is_told_of() {
 fn full_measurements_by_factors_gain_nothing_at_grazing_incidence() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let study = "[trace]\nbatches = 2\npaths_direct = 40000\n[spectrum]\nwavelengths_nm = [550.0]\n[medium]\nkappa_peak = 0.0\n";
+    let study = "[trace]\nbatches = 2\npaths_direct = 40000\n[spectrum]\nwavelengths_nm = \
+                 [550.0]\n[medium]\nkappa_peak = 0.0\n";
     fs::write(here.join("study.toml"), study).unwrap();
     let output = specval(
         here,

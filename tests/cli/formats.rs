@@ -252,8 +252,8 @@ fn colour_reads_what_measure_writes() {
 #[test]
 fn a_measurement_in_the_infrared_needs_no_colour() {
     let folder = tempfile::tempdir().unwrap();
-    let study = "[spectrum]\nwavelengths_nm = [850]\n[medium]\ndye = \"dye.csv\"\n[trace]\nbatches = 2\npaths_direct = 600\n\
-                 paths_bssrdf = 300\nparticles = 200\n[rig]\npixels_per_side = 4\n";
+    let study = "[spectrum]\nwavelengths_nm = [850]\n[medium]\ndye = \"dye.csv\"\n[trace]\nbatches = 2\npaths_direct = \
+                 600\npaths_bssrdf = 300\nparticles = 200\n[rig]\npixels_per_side = 4\n";
     written(folder.path(), "dye.csv", "wavelength_nm,value\n800,1\n900,0.5\n");
     let study = written(folder.path(), "nir.toml", study);
     let run = |arguments: &[&str]| crate::command::specval(folder.path(), arguments);

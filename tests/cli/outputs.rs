@@ -6,9 +6,10 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-const STUDY: &str = "[spectrum]\nwavelengths_nm = [450, 550, 650]\n[trace]\nbatches = 2\npaths_direct = 40\npaths_bssrdf = 4\n\
-    particles = 40\ntilts = 3\n[rig]\npixels_per_side = 4\nview_step_deg = 130\nincidences_deg = [0, 30]\n\
-    [sweep]\nkappa_peak = []\nvolume_fraction = []\nparticle_diameter_nm = []\nparticle_index = []\n";
+const STUDY: &str = "[spectrum]\nwavelengths_nm = [450, 550, 650]\n[trace]\nbatches = 2\npaths_direct = \
+                     40\npaths_bssrdf = 4\nparticles = 40\ntilts = 3\n[rig]\npixels_per_side = 4\nview_step_deg = \
+                     130\nincidences_deg = [0, 30]\n[sweep]\nkappa_peak = []\nvolume_fraction = \
+                     []\nparticle_diameter_nm = []\nparticle_index = []\n";
 
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -69,8 +70,9 @@ fn an_input_is_never_an_output() {
     fs::write(
         here.join("t.toml"),
         format!(
-            "{STUDY}[medium]\ndye = \"dye.csv\"\nhost_index = \"index.csv.state\"\n[weft]\ndye = \"a.csv.energy.csv\"\n\
-             [cloth]\nbacking = \"backing.csv\"\n[colour]\nilluminant = \"light.csv\"\n[measured]\nsample = \"d/curves.csv\"\n"
+            "{STUDY}[medium]\ndye = \"dye.csv\"\nhost_index = \"index.csv.state\"\n[weft]\ndye \
+             = \"a.csv.energy.csv\"\n[cloth]\nbacking = \"backing.csv\"\n[colour]\nilluminant \
+             = \"light.csv\"\n[measured]\nsample = \"d/curves.csv\"\n"
         ),
     )
     .unwrap();

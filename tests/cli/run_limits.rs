@@ -169,7 +169,8 @@ fn errors_of_a_medium_name_the_line_of_the_key() {
             "my.toml, line 4: `medium.particle_diameter_nm`: ",
         ),
         (
-            "[medium]\ndye = \"preprint-red\"\n[weft]\nparticle_diameter_nm = 20000\nhost_index = 4\nparticle_index = 1\n",
+            "[medium]\ndye = \"preprint-red\"\n[weft]\nparticle_diameter_nm = 20000\nhost_index = 4\nparticle_index = \
+             1\n",
             "my.toml, line 6: `weft.particle_diameter_nm`: ",
         ),
         (

@@ -385,8 +385,8 @@ fn relative_and_intensity_tables() {
     let file = |data: &str, factor: &str, value: f64| {
         let row = vec![value.to_string(); 3].join(" ");
         format!(
-            "Source Generated\nTypeSym PlaneSymmetrical\nTypeColorModel BW\nTypeData {data}\nsigma 2\n 0 60\nphi 3\n 0 90 180\n\
-             theta 3\n 0 90 180\nbw\n{factor} def\n{}enddef\n",
+            "Source Generated\nTypeSym PlaneSymmetrical\nTypeColorModel BW\nTypeData {data}\nsigma 2\n 0 60\nphi 3\n 0 \
+             90 180\ntheta 3\n 0 90 180\nbw\n{factor} def\n{}enddef\n",
             format!("{row}\n").repeat(6)
         )
     };

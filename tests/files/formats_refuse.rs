@@ -362,7 +362,8 @@ fn randomly() -> impl FnMut(usize) -> usize {
 fn told(what: &str, times: usize, count: usize, all: Duration, longest: Duration) {
     let largest = LARGEST.load(Ordering::Relaxed);
     println!(
-        "{what}: {count} of {times} taken in {:.0} s, the longest in {longest:.1?}, at most {largest} bytes asked for at once",
+        "{what}: {count} of {times} taken in {:.0} s, the longest in {longest:.1?}, at most {largest} bytes asked for \
+         at once",
         all.as_secs_f64()
     );
     assert!(largest < 256 << 20 && longest < Duration::from_secs(10));

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use specval::formats::{
-    ChannelSet, Encoding, Format, Goniometric, ReadOptions, Scatter, Side, Table, WriteError, WriteOptions, parse,
-    write,
+    ChannelSet, Encoding, Format, Goniometric, ReadOptions, Scatter, Side, Table, WriteError, WriteNotice,
+    WriteOptions, parse, write,
 };
 
 use crate::golden::{golden, load};
@@ -60,7 +60,7 @@ fn ssdd_holds_binary_values() {
         let back = parse("x.ssdd", &written.bytes, &ReadOptions::default()).unwrap();
         let lower = |data: &Goniometric| data.provenance.source.as_deref().unwrap().to_ascii_lowercase();
         assert_eq!(lower(&back), lower(&measured));
-        let told = written.notices.iter().any(|notice| notice.contains("32-bit"));
+        let told = written.notices.contains(&WriteNotice::RoundedTo32Bits);
         assert_eq!(told, options == BINARY);
     }
 

@@ -270,10 +270,8 @@ fn one_column_a_wavelength_in_plane_and_sphere() {
 #[test]
 fn any_order_is_sorted_and_repeated_readings_are_one() {
     let told = |bytes: &str| {
-        SpectraFile::parse("t.csv", bytes.as_bytes())
-            .unwrap()
-            .notices
-            .join("; ")
+        let notices = SpectraFile::parse("t.csv", bytes.as_bytes()).unwrap().notices;
+        notices.iter().map(|notice| format!("{notice}\n")).collect::<String>()
     };
     let good = spectra();
     let descending: Rows = good[..1].iter().chain(good[1..].iter().rev()).cloned().collect();

@@ -2,10 +2,11 @@
 
 use crate::report_data::data;
 use specval::compare::Geometry;
+use specval::formats::ReadNotice;
 use specval::output::*;
 use specval::report::*;
 use specval::sample::SampleNotice;
-use specval::spectrum::Doubt;
+use specval::spectrum::{Doubt, TextNotice};
 
 fn text(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).unwrap()
@@ -178,6 +179,30 @@ fn notices_and_fallbacks_survive_the_result_file() {
         ),
         (SampleNotice::Doubt { doubt }.into(), "a particle of 0.15 nm"),
         (
+            SampleNotice::Text {
+                notice: TextNotice::Preamble { lines: 2 },
+            }
+            .into(),
+            "2 lines before the titles of the columns: passed over as comments",
+        ),
+        (
+            SampleNotice::Format {
+                notice: ReadNotice::Several {
+                    notice: ReadNotice::BelowZero {
+                        array: "rgb".into(),
+                        count: 3,
+                        lowest: -0.1,
+                        rgb: true,
+                    }
+                    .into(),
+                    times: 2,
+                },
+            }
+            .into(),
+            "3 values of `rgb` are below 0, down to -0.1, as colours outside the RGB space have them; what is below 0 \
+             after interpolation counts as 0 (2 times)",
+        ),
+        (
             SampleNotice::RenamedColumns {
                 columns: vec!["'view' as theta_v_deg".into()],
                 unsigned: true,
@@ -191,7 +216,8 @@ fn notices_and_fallbacks_survive_the_result_file() {
                 times: 4.0,
                 paths: 100,
             },
-            "standard error of 10.0 %: for 5 % it takes about 4.0 times the paths of this run, 400 a tilt in place of 100",
+            "standard error of 10.0 %: for 5 % it takes about 4.0 times the paths of this run, 400 a tilt in place of \
+             100",
         ),
     ];
     let fallbacks = [
@@ -200,7 +226,8 @@ fn notices_and_fallbacks_survive_the_result_file() {
                 sample: "felt".into(),
                 incidences_deg: vec![22.5, 45.0],
             },
-            "sample felt has no reading at any geometry of the study's [rig]: nothing is compared; its incidences are 22.5, 45",
+            "sample felt has no reading at any geometry of the study's [rig]: nothing is compared; its incidences are \
+             22.5, 45",
         ),
         (
             Fallback::OtherReference {
@@ -237,8 +264,8 @@ fn terminal_summary_has_verdicts_notices_and_fallbacks() {
         "0.0110 ± 0.0011",
         "better (ratio 2, 95 % interval 1.3 to 2.9)",
         "model multiplied by 0.931 ± 0.012",
-        "effort: 24 batches, each of 12500 paths a tilt and 1250 a direction of the ledger; stopped by precision (asked: rel \
-         0.01 curves, 60 s, 100000 batches at most); largest relative standard error of the curves: 0.0098",
+        "effort: 24 batches, each of 12500 paths a tilt and 1250 a direction of the ledger; stopped by precision \
+         (asked: rel 0.01 curves, 60 s, 100000 batches at most); largest relative standard error of the curves: 0.0098",
         "notice: the sweep's blue/red range 0.0470..0.2600 covers",
         "fallback: the sample states no uncertainty",
     ] {

@@ -207,9 +207,10 @@ fn spectra_by_column_and_by_row_are_the_same() {
 /// One file in every layout of CGATS-like text.
 #[test]
 fn spectra_in_cgats_text() {
-    let by_set = "CGATS.17\n# a comment\nORIGINATOR \"someone's \"\"lab\"\"\"\nKEYWORD \"LAMP\"\nLAMP \"two of them\"\n\n\
-                  NUMBER_OF_FIELDS 4\nBEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME\n SPEC_400 SPEC_500 # bands\nEND_DATA_FORMAT\n\
-                  NUMBER_OF_SETS 2\nBEGIN_DATA\n1 \"first one\" 1 2\n\n2\tsecond -3 4\nEND_DATA\n# the end\n";
+    let by_set = "CGATS.17\n# a comment\nORIGINATOR \"someone's \"\"lab\"\"\"\nKEYWORD \"LAMP\"\nLAMP \"two of \
+                  them\"\n\nNUMBER_OF_FIELDS 4\nBEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME\n SPEC_400 SPEC_500 # \
+                  bands\nEND_DATA_FORMAT\nNUMBER_OF_SETS 2\nBEGIN_DATA\n1 \"first one\" 1 2\n\n2\tsecond -3 \
+                  4\nEND_DATA\n# the end\n";
     let expected = vec![[1.0, 2.0], [-3.0, 4.0]];
     for field in [
         "SPEC_",
@@ -255,9 +256,7 @@ fn spectra_in_cgats_text() {
 /// Bands of 10/3 nm, whose titles are rounded, and values over a norm, as in Argyll's `.sp` files.
 #[test]
 fn key_words_state_bands_and_norm() {
-    let text = "SPECT\nSPECTRAL_BANDS \"4\"\nSPECTRAL_START_NM \"400.0\"\nSPECTRAL_END_NM \"410.0\"\nSPECTRAL_NORM \"100.0\"\n\
-                NUMBER_OF_FIELDS 4\nBEGIN_DATA_FORMAT\nSPEC_400 SPEC_403 SPEC_407 SPEC_410\nEND_DATA_FORMAT\n\
-                NUMBER_OF_SETS 1\nBEGIN_DATA\n0 50 100 25\nEND_DATA\n";
+    let text = "SPECT\nSPECTRAL_BANDS \"4\"\nSPECTRAL_START_NM \"400.0\"\nSPECTRAL_END_NM \"410.0\"\nSPECTRAL_NORM \"100.0\"\nNUMBER_OF_FIELDS 4\nBEGIN_DATA_FORMAT\nSPEC_400 SPEC_403 SPEC_407 SPEC_410\nEND_DATA_FORMAT\nNUMBER_OF_SETS 1\nBEGIN_DATA\n0 50 100 25\nEND_DATA\n";
     let found = read_spectra(file(text).path()).unwrap();
     assert_eq!(found[0].0, "1");
     assert_eq!(found[0].1.values(), [0.0, 0.5, 1.0, 0.25]);

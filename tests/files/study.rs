@@ -27,9 +27,7 @@ fn paths_belong_to_the_folder_of_the_study() {
     write("eye.csv", &format!("wavelength_nm,xbar,ybar,zbar\n{observer}"));
     write(
         "twill.wif",
-        "[WIF]\nVersion=1.1\n[CONTENTS]\nWEAVING=yes\nWARP=yes\nWEFT=yes\nTHREADING=yes\nTIEUP=yes\nTREADLING=yes\n\
-         [WEAVING]\nShafts=2\nTreadles=2\nRising Shed=yes\n[WARP]\nThreads=2\n[WEFT]\nThreads=2\n[THREADING]\n1=1\n2=2\n\
-         [TIEUP]\n1=1\n2=2\n[TREADLING]\n1=1\n2=2\n",
+        "[WIF]\nVersion=1.1\n[CONTENTS]\nWEAVING=yes\nWARP=yes\nWEFT=yes\nTHREADING=yes\nTIEUP=yes\nTREADLING=yes\n[WEAVING]\nShafts=2\nTreadles=2\nRising Shed=yes\n[WARP]\nThreads=2\n[WEFT]\nThreads=2\n[THREADING]\n1=1\n2=2\n[TIEUP]\n1=1\n2=2\n[TREADLING]\n1=1\n2=2\n",
     );
     write(
         "sample.csv",

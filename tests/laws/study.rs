@@ -295,9 +295,8 @@ fn values_out_of_range_are_rejected_with_their_line() {
     let message = refused("[medium]\nvolume_fraction = 14").to_string();
     assert_eq!(
         message,
-        "my.toml, line 2: `medium.volume_fraction`: expected a number, 0 to below 0.74, found 14; correct it, or leave it out for its \
-         default; it is: Share of the \
-         yarn's volume that is particles"
+        "my.toml, line 2: `medium.volume_fraction`: expected a number, 0 to below 0.74, found 14; correct it, or leave \
+         it out for its default; it is: Share of the yarn's volume that is particles"
     );
 }
 

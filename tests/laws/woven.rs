@@ -402,7 +402,8 @@ fn both_integrators_agree_where_light_leaves_near_its_entry() {
 #[test]
 fn direct_light_and_bounces_sum_to_all_light() {
     let study = format!(
-        "[spectrum]\nwavelengths_nm = [640]\n[trace]\nbatches = {BATCHES}\npaths_direct = 200000\n[cloth]\nbacking = \"white\"\n"
+        "[spectrum]\nwavelengths_nm = [640]\n[trace]\nbatches = {BATCHES}\npaths_direct = 200000\n[cloth]\nbacking \
+         = \"white\"\n"
     );
     let plan = Plan::new(Study::from_toml(&study, "test").unwrap()).unwrap();
     let cloth = Cloth::new(&plan.cloth_spec).unwrap();

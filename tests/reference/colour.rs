@@ -376,8 +376,8 @@ fn files_of(rows: &[Vec<String>], titles: &[&str]) -> [String; 3] {
     let lines: String = rows.iter().map(|row| row.join("\t") + "\n").collect();
     let columns = titles.join(" ");
     let by_wavelength = format!(
-        "CGATS.17\nORIGINATOR \"a lamp\"\nNUMBER_OF_FIELDS {}\nBEGIN_DATA_FORMAT\nSPECTRAL_NM {columns}\nEND_DATA_FORMAT\n\
-         NUMBER_OF_SETS {}\nBEGIN_DATA\n{lines}END_DATA\n",
+        "CGATS.17\nORIGINATOR \"a lamp\"\nNUMBER_OF_FIELDS {}\nBEGIN_DATA_FORMAT\nSPECTRAL_NM \
+         {columns}\nEND_DATA_FORMAT\nNUMBER_OF_SETS {}\nBEGIN_DATA\n{lines}END_DATA\n",
         1 + titles.len(),
         rows.len()
     );

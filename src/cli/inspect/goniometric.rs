@@ -1,3 +1,4 @@
+use super::super::notice::worded;
 use super::super::{Failure, Terminal, in_words};
 use super::ChosenComponent;
 use super::series::Series;
@@ -85,7 +86,7 @@ struct NoneChosen {
 }
 
 fn inspect(data: Goniometric, chosen: &ChosenComponent) -> Result<Inspection, Failure> {
-    let mut warnings = data.warnings;
+    let mut warnings: Vec<String> = worded(&data.warnings).collect();
     let components: Vec<Part> = data.components.iter().filter(|c| chosen.holds(c)).map(part).collect();
     if components.is_empty() {
         let found: Vec<String> = data.components.iter().map(Component::words).collect();
@@ -125,8 +126,8 @@ impl Part {
             .filter(|r| r.measured < 1.0 && self.quantity != Quantity::Fraction);
         if let Some(worst) = partial.clone().min_by(|a, b| a.measured.total_cmp(&b.measured)) {
             warnings.push(format!(
-                "at {} of {} incidences the projected hemisphere was measured in part alone, least at {} degrees: {:.1} %; the \
-                 rest counts as 0",
+                "at {} of {} incidences the projected hemisphere was measured in part alone, least at {} degrees: \
+                 {:.1} %; the rest counts as 0",
                 partial.count(),
                 rows.len(),
                 worst.theta_i_deg,

@@ -1,6 +1,6 @@
 //! Files that are not goniometric tables: drafts, spectra and samples.
 
-use super::super::notice::first_of;
+use super::super::notice::{first_of, worded};
 use super::super::{Failure, Terminal};
 use super::series::Series;
 use serde::Serialize;
@@ -37,7 +37,7 @@ pub fn draft(path: &Path, terminal: &Terminal) -> Result<(), Failure> {
         coloured: [coloured(&draft.warps), coloured(&draft.wefts)],
         spacing_mm: [spacing(&draft.warps), spacing(&draft.wefts)],
         title: draft.title,
-        warnings: draft.warnings,
+        warnings: worded(&draft.warnings).collect(),
     };
     terminal.result(&found, |of| {
         let mut text = "format       wif, a weave draft; `specval weave` prints its drawdown\n".to_owned();
@@ -102,7 +102,7 @@ pub fn spectra(file: &SpectraFile, terminal: &Terminal) -> Result<(), Failure> {
         wavelength_nm: Series::new(nm.unwrap_or_default()),
         spectra: file.spectra.iter().map(of).collect(),
         stated: file.stated.clone(),
-        warnings: file.notices.iter().cloned().chain(first_of(&doubts)).collect(),
+        warnings: worded(&file.notices).chain(first_of(&doubts)).collect(),
     };
     terminal.result(&found, |of| {
         let mut text = "format       table of spectra; `specval colour` prints their colours\n".to_owned();
@@ -155,8 +155,8 @@ pub fn sample(sample: &Sample, terminal: &Terminal) -> Result<(), Failure> {
     };
     terminal.result(&found, |of| {
         let mut text = format!(
-            "format       sample, compared with by `report --measured` and tested by `check --sample`\nname         {}\n\
-             source       {}\nlicence      {}\n",
+            "format       sample, compared with by `report --measured` and tested by `check --sample`\nname         \
+             {}\nsource       {}\nlicence      {}\n",
             of.description.name, of.description.source, of.description.licence
         );
         if of.geometries == 0 {
@@ -173,7 +173,10 @@ pub fn sample(sample: &Sample, terminal: &Terminal) -> Result<(), Failure> {
             let _ = writeln!(text, "channels     {channels}");
         }
         if let Some([lowest, highest]) = of.beta {
-            let _ = writeln!(text, "beta         {lowest} to {highest}, dimensionless, 1 for the perfect diffuser");
+            let _ = writeln!(
+                text,
+                "beta         {lowest} to {highest}, dimensionless, 1 for the perfect diffuser"
+            );
         }
         let uncertainty = match of.uncertainty {
             Uncertainty::Columns => "a standard error for each reading".to_owned(),

@@ -44,9 +44,10 @@ pub fn study(study: &Study, terminal: &Terminal) -> Result<(), Failure> {
     };
     terminal.result(&facts, |of| {
         format!(
-            "format       study, run by `specval report`, `trace`, `measure` and `check`\nwavelengths  {} nm\n\
-             theta_i      {} deg\ntheta_v      {} deg, below 0 on the light's side of the normal\nsample       {}\n\
-             batches      {}, in all {} paths a direction of the ledger and {} a tilt of the yarn response\nseed         {}\n",
+            "format       study, run by `specval report`, `trace`, `measure` and `check`\nwavelengths  {} \
+             nm\ntheta_i      {} deg\ntheta_v      {} deg, below 0 on the light's side of the normal\nsample       \
+             {}\nbatches      {}, in all {} paths a direction of the ledger and {} a tilt of the yarn \
+             response\nseed         {}\n",
             of.wavelength_nm.words(),
             of.theta_i_deg.words(),
             of.theta_v_deg.words(),
@@ -152,7 +153,8 @@ pub fn document(path: &Path, format: &'static str, terminal: &Terminal) -> Resul
         let mut text = match of.format {
             "check" => "format       result of a check, compared with by `specval check --against`\n".to_owned(),
             "result" => "format       result of a report, drawn again by `specval report --from`\n".to_owned(),
-            _ => "format       document of a report; angles are degrees, wavelengths nm, brightness factors dimensionless\n"
+            _ => "format       document of a report; angles are degrees, wavelengths nm, brightness factors \
+                  dimensionless\n"
                 .to_owned(),
         };
         for (name, words) in &of.entries {

@@ -1,5 +1,5 @@
 use super::layout::Layout;
-use super::tube::{Local, Skin, Tube, floor};
+use super::tube::{Local, SurfaceFrame, Tube, floor};
 use crate::cloth::{ClothError, ClothSpec, System, YarnId};
 use crate::geometry::{Frame, Vec3};
 
@@ -213,7 +213,7 @@ impl Cloth {
     /// Point of a yarn's surface nearest to a position that is on the surface to rounding, and outward unit normal.
     pub fn surface(&self, system: System, position: [f64; 3]) -> ([f64; 3], [f64; 3]) {
         let (tube, near) = self.tube(system, position);
-        let Skin { to_surface, normal, .. } = tube.skin(near);
+        let SurfaceFrame { to_surface, normal, .. } = tube.surface_frame(near);
         let shift = world(system, to_surface);
         (std::array::from_fn(|k| position[k] + shift[k]), world(system, normal))
     }
@@ -221,7 +221,7 @@ impl Cloth {
     /// Frame of the yarn of `system` at a position that is on its surface to rounding.
     pub fn frame(&self, system: System, position: [f64; 3]) -> Frame {
         let (tube, near) = self.tube(system, position);
-        frame(system, &tube.skin(near))
+        frame(system, &tube.surface_frame(near))
     }
 
     /// Point of the section through a surface point at which the outward normal is `normal`, a unit vector
@@ -358,7 +358,7 @@ impl Cloth {
 
     fn hit(&self, near: Vec3, distance_mm: f64, yarn: YarnId) -> Hit {
         let (tube, at) = self.tube(yarn.system, near.into());
-        let surface = tube.skin(at);
+        let surface = tube.surface_frame(at);
         Hit {
             position: near + Vec3::from(world(yarn.system, surface.to_surface)),
             distance_mm,
@@ -368,7 +368,7 @@ impl Cloth {
     }
 }
 
-fn frame(system: System, surface: &Skin) -> Frame {
+fn frame(system: System, surface: &SurfaceFrame) -> Frame {
     Frame::from_axis_normal(
         world(system, surface.tangent).into(),
         world(system, surface.normal).into(),

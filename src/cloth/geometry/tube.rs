@@ -46,7 +46,7 @@ pub(super) struct Local {
 }
 
 /// The surface near a point: the vector to it, the outward normal, and the tangent of the centre line.
-pub(super) struct Skin {
+pub(super) struct SurfaceFrame {
     pub to_surface: Local,
     pub normal: Local,
     pub tangent: Local,
@@ -253,7 +253,7 @@ impl Tube {
     }
 
     /// The surface near a point that is on it to rounding.
-    pub fn skin(&self, near: Local) -> Skin {
+    pub fn surface_frame(&self, near: Local) -> SurfaceFrame {
         let (k, d) = self.locate(near.x);
         let Offset { v, normal } = self.pieces[k].offset(d, near.z);
         let (gu, gv) = (near.u * self.inverse_a2, v * self.inverse_b2);
@@ -265,7 +265,7 @@ impl Tube {
             z: gv * normal[1] * inverse,
         };
         let back = -0.5 * f * inverse;
-        Skin {
+        SurfaceFrame {
             to_surface: Local {
                 x: back * outward.x,
                 u: back * outward.u,

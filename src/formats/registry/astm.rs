@@ -10,7 +10,8 @@ use crate::formats::options::{AngleUnit, ReadOptions};
 use crate::formats::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
 use crate::formats::write::columns;
 use crate::goniometric::{
-    ChannelSet, Component, Directions, FileProvenance, Format, Goniometric, Quantity, Scattered, Side, Table,
+    ChannelSet, Component, Directions, FileProvenance, Format, Goniometric, Quantity, ReadNotice, Scattered, Side,
+    Table,
 };
 use crate::number::shown;
 use crate::spectrum::WavelengthGrid;
@@ -177,12 +178,10 @@ fn read(text: Text, options: &ReadOptions) -> Result<Goniometric, FormatError> {
     text.judge(&readings, &mut warnings)?;
     let scatter = scatter_of(text.path, "astm", "btdf.astm", options, &mut warnings);
     if options.angle_unit.is_none() {
-        warnings.push("the file does not state the unit of its angles: taken as radians".into());
+        warnings.push(ReadNotice::RadiansAssumed);
     }
     if table.is_mirrored() {
-        warnings.push(
-            "one side of the plane of incidence alone was measured: the other is taken as its mirror image".into(),
-        );
+        warnings.push(ReadNotice::MirroredPlane);
     }
     Ok(Goniometric {
         format: FORMAT.format,

@@ -8,7 +8,8 @@ use crate::formats::descriptor::{Descriptor, FormatReader, FormatWriter, Holds, 
 use crate::formats::error::{FormatError, Location};
 use crate::formats::write::columns;
 use crate::goniometric::{
-    ChannelSet, Component, Directions, FileProvenance, Format, Goniometric, Quantity, Scatter, Scattered, Side, Table,
+    ChannelSet, Component, Directions, FileProvenance, Format, Goniometric, Quantity, ReadNotice, Scatter, Scattered,
+    Side, Table,
 };
 use crate::spectrum::{WavelengthGrid, plausibility};
 use crate::text::{CsvError, CsvTable, Heading, heading, remedy_for_brdf};
@@ -262,14 +263,16 @@ impl Readings {
     }
 
     /// Notices on the values as a whole.
-    fn notices(&self, table: &CsvTable) -> Result<Vec<String>, Box<CsvError>> {
-        let mut notices = table.notices().to_vec();
+    fn notices(&self, table: &CsvTable) -> Result<Vec<ReadNotice>, Box<CsvError>> {
+        let mut notices: Vec<ReadNotice> = table.notices().iter().cloned().map(ReadNotice::from).collect();
         if !table.renamed().is_empty() {
-            notices.push(format!("columns were read as these: {}", table.renamed().join(", ")));
+            notices.push(ReadNotice::RenamedColumns {
+                columns: table.renamed().to_vec(),
+            });
         }
-        notices.extend(plausibility::repeated(self.repeated).map(|doubt| doubt.to_string()));
+        notices.extend(plausibility::repeated(self.repeated).map(ReadNotice::from));
         match plausibility::below_zero("beta", self.lowest.0, self.highest, self.negative) {
-            Ok(doubt) => notices.extend(doubt.map(|doubt| doubt.to_string())),
+            Ok(doubt) => notices.extend(doubt.map(ReadNotice::from)),
             Err([expected, found, remedy]) => {
                 return Err(table.row_error(self.lowest.1, &expected, &found, &remedy));
             }
@@ -295,7 +298,7 @@ impl Readings {
             angles.map(|(_, angle)| angle.to_degrees())
         };
         let radians = plausibility::radians_for_degrees(of(true), of(false));
-        notices.extend(per_cent.into_iter().chain(radians).map(|doubt| doubt.to_string()));
+        notices.extend(per_cent.into_iter().chain(radians).map(ReadNotice::from));
         Ok(notices)
     }
 }

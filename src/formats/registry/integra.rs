@@ -16,8 +16,8 @@ use crate::formats::options::ReadOptions;
 use crate::formats::text::{NOT_NEGATIVE, Readings, Text, Token, Tokens, finite, quoted};
 use crate::formats::write::integra as write;
 use crate::goniometric::{
-    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side,
-    SpecularTable, Table, divide_by_cosine, radians,
+    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, ReadNotice,
+    Scatter, Side, SpecularTable, Table, divide_by_cosine, radians,
 };
 use crate::spectrum::WavelengthGrid;
 
@@ -144,10 +144,10 @@ fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniometric, Format
         let held = divide_by_cosine(&mut grid);
         header.quantity = Quantity::Bsdf;
         if held > 0 {
-            header.warnings.push(format!(
-                "{held} of {} nodes are at the horizon or below, where f cos theta_o is 0: f there is that of the nearest node above",
-                tables * table
-            ));
+            header.warnings.push(ReadNotice::NodesAtHorizon {
+                held,
+                nodes: tables * table,
+            });
         }
     }
     let mut component = Component {
@@ -161,9 +161,7 @@ fn read_diffuse(text: Text, options: &ReadOptions) -> Result<Goniometric, Format
         let wanted: Vec<Option<&[f64]>> = factors.iter().map(Option::as_deref).collect();
         make_absolute(text, &mut component, &psi_deg, &header, &wanted)?;
     } else if header.relative {
-        header
-            .warnings
-            .push("the values are relative and nothing states their scale".into());
+        header.warnings.push(ReadNotice::NoScale);
         component.quantity = Quantity::Unscaled;
     }
     Ok(Goniometric {
@@ -341,7 +339,7 @@ pub(super) fn scatter_of(
     reflection: &str,
     transmission: &str,
     options: &ReadOptions,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<ReadNotice>,
 ) -> Scatter {
     let ends = |extension: &str| path.to_ascii_lowercase().ends_with(&format!(".{extension}"));
     match options.scatter {
@@ -349,11 +347,7 @@ pub(super) fn scatter_of(
         None if ends(transmission) => Scatter::Transmission,
         None => {
             if !ends(reflection) {
-                warnings.push(format!(
-                    "the content does not say whether it is reflection or transmission, nor does the name {}: taken as \
-                     reflection",
-                    quoted(path)
-                ));
+                warnings.push(ReadNotice::ReflectionAssumed { file: quoted(path) });
             }
             Scatter::Reflection
         }

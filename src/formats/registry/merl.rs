@@ -10,7 +10,9 @@ use crate::formats::descriptor::{Beginning, Descriptor, FormatReader, FormatWrit
 use crate::formats::error::{FormatError, remedy};
 use crate::formats::merl_table::{HEADER, NODES, PHI_D, SCALE, SIZE, directions, grid};
 use crate::formats::write::merl as write;
-use crate::goniometric::{ChannelSet, Component, FileProvenance, Format, Goniometric, Quantity, Scatter, Side, Table};
+use crate::goniometric::{
+    ChannelSet, Component, FileProvenance, Format, Goniometric, Quantity, ReadNotice, Scatter, Side, Table,
+};
 use crate::number::shown;
 
 pub(super) const FORMAT: Descriptor = Descriptor {
@@ -111,11 +113,9 @@ fn read(input: &Input) -> Result<Goniometric, FormatError> {
         let remedy = "check the sign of the data: such a file holds next to nothing";
         return Err(FormatError::byte(path, HEADER, expected, found, remedy));
     }
-    let mut warnings = vec!["MERL files state neither their RGB primaries nor any provenance".to_owned()];
+    let mut warnings = vec![ReadNotice::NoProvenance { format: "MERL".into() }];
     if 4 * holes > nodes {
-        warnings.push(format!(
-            "values are negative, which stands for no data, at {holes} of {nodes} nodes well above the horizon"
-        ));
+        warnings.push(ReadNotice::Holes { holes, nodes });
     }
     let grid = grid(values);
     Ok(Goniometric {

@@ -137,8 +137,8 @@ pub(super) fn detect(path: &str, head: &[u8], size: u64) -> Result<&'static Desc
         None => {}
     }
     let found = format!("a file that begins with {}", quoted(&beginning.text));
-    let remedy = "give the data file of the instrument, archive or renderer; `specval convert --help` lists the formats, and \
-                  spectra are read by `specval colour`";
+    let remedy = "give the data file of the instrument, archive or renderer; `specval convert --help` lists the \
+                  formats, and spectra are read by `specval colour`";
     Err(FormatError::file(path, expected(), found, remedy))
 }
 

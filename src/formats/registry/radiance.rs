@@ -14,8 +14,8 @@ use crate::formats::error::{FormatError, Location, remedy};
 use crate::formats::text::{FINITE, Readings, Text, finite, quoted, remedy_for};
 use crate::formats::write::radiance as write;
 use crate::goniometric::{
-    ChannelSet, Component, FileProvenance, Format, Goniometric, KlemsBasis, KlemsMatrix, Quantity, Scatter, Side,
-    Table, TensorTree,
+    ChannelSet, Component, FileProvenance, Format, Goniometric, KlemsBasis, KlemsMatrix, Quantity, ReadNotice, Scatter,
+    Side, Table, TensorTree,
 };
 use crate::number::shown;
 
@@ -26,8 +26,8 @@ pub(super) const FORMAT: Descriptor = Descriptor {
     sizes: USUAL_SIZES,
     convention: Some(
         "the front is +z, as in Radiance; WINDOW calls that side Back, so that `Reflection Back` has its light on it. \
-         Incident patches are those of the opposite azimuth: directions point away from the surface here, and the light's \
-         run towards it in WINDOW",
+         Incident patches are those of the opposite azimuth: directions point away from the surface here, and the \
+         light's run towards it in WINDOW",
     ),
     detect: told,
     read: FormatReader::Goniometric(|input| input.text(read)),
@@ -110,8 +110,7 @@ fn read(text: Text) -> Result<Goniometric, FormatError> {
     let mut warnings = Vec::new();
     if !text.text[..begins].trim().is_empty() {
         let lines = text.text[..begins].lines().count();
-        let unit = if lines == 1 { "line" } else { "lines" };
-        warnings.push(format!("text before the XML is passed over ({lines} {unit})"));
+        warnings.push(ReadNotice::BeforeXml { lines });
     }
     let mut readings = Readings::default();
     let blocks = blocks(&xml, layer, rank.is_some(), &mut warnings)?;
@@ -133,7 +132,7 @@ fn read(text: Text) -> Result<Goniometric, FormatError> {
             ));
         }
         if chosen.len() == 1 && data.iter().flatten().count() > 1 {
-            warnings.push("colour is incomplete and left out: one of the two chromaticity blocks is missing".into());
+            warnings.push(ReadNotice::IncompleteColour);
         }
         let table = match rank {
             Some(rank) => Table::Tree(TensorTree::new(
@@ -183,7 +182,7 @@ fn blocks<'n>(
     xml: &Xml,
     layer: Element<'n, 'n>,
     is_tree: bool,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<ReadNotice>,
 ) -> Result<Vec<Blocks<'n>>, FormatError> {
     let mut all: Vec<Blocks> = Vec::new();
     let mut other_wavelengths: Vec<String> = Vec::new();
@@ -244,10 +243,10 @@ fn blocks<'n>(
         let blocks = other_wavelengths.len();
         other_wavelengths.dedup();
         other_wavelengths.truncate(8);
-        warnings.push(format!(
-            "{blocks} blocks of other wavelengths than the visible are left out: {}",
-            other_wavelengths.join(", ")
-        ));
+        warnings.push(ReadNotice::OtherWavelengths {
+            blocks,
+            names: other_wavelengths,
+        });
     }
     Ok(all)
 }

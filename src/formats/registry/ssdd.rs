@@ -14,8 +14,8 @@ use crate::formats::options::Encoding;
 use crate::formats::text::{FINITE, Readings, finite, quoted, remedy_for};
 use crate::formats::write::ssdd as write;
 use crate::goniometric::{
-    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side,
-    SpecularTable, Table, radians,
+    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, ReadNotice,
+    Scatter, Side, SpecularTable, Table, radians,
 };
 use crate::number::shown;
 use crate::spectrum::WavelengthGrid;
@@ -79,9 +79,10 @@ fn read(input: &Input) -> Result<Goniometric, FormatError> {
     let mut provenance = FileProvenance::default();
     let mut components: Vec<Component> = Vec::new();
     let mut kinds_seen: Vec<&str> = Vec::new();
-    let mut warnings: Vec<String> = text
+    let mut warnings: Vec<ReadNotice> = text
         .as_ref()
         .and_then(|decoded| decoded.notice.clone())
+        .map(ReadNotice::from)
         .into_iter()
         .collect();
     let mut block = Block::default();
@@ -99,7 +100,10 @@ fn read(input: &Input) -> Result<Goniometric, FormatError> {
         match name {
             "VERSION" => {
                 if !matches!(value, "0.2" | "0.3") {
-                    warnings.push(format!("version {}: read as version 0.3", quoted(value)));
+                    warnings.push(ReadNotice::ReadAsVersion {
+                        found: quoted(value),
+                        read_as: "0.3".into(),
+                    });
                 }
                 provenance.statements.push((name.into(), value.into()));
             }
@@ -161,7 +165,7 @@ fn component(
     kind: &str,
     block: &Block,
     encoding: &str,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<ReadNotice>,
 ) -> Result<Component, FormatError> {
     let missing = |name: &str| {
         let remedy = format!("add a line {name} to the properties of the block");
@@ -294,7 +298,7 @@ fn values(
     count: usize,
     channels: usize,
     range: &RangeInclusive<f64>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<ReadNotice>,
 ) -> Result<Vec<f64>, FormatError> {
     let expected = match range {
         range if *range == FINITE => "values, finite, 0 or more".to_owned(),
@@ -332,7 +336,7 @@ fn values(
             }
             lines.position += size;
             match readings.judged() {
-                Ok(warning) => warnings.extend(warning),
+                Ok(doubt) => warnings.extend(doubt.map(ReadNotice::from)),
                 Err((at, [expected, found, remedy])) => {
                     return Err(FormatError::byte(lines.path, at, expected, found, remedy));
                 }
@@ -365,7 +369,7 @@ fn values(
                 }
             }
             match readings.judged() {
-                Ok(warning) => warnings.extend(warning),
+                Ok(doubt) => warnings.extend(doubt.map(ReadNotice::from)),
                 Err((line, [expected, found, remedy])) => {
                     let place = Location::Row { line, column: None };
                     return Err(FormatError::at(lines.path, place, expected, found, remedy));

@@ -7,8 +7,8 @@ use crate::formats::byte_order::{is_implausible, swapped};
 use crate::formats::descriptor::{Beginning, Descriptor, FormatReader, Input, Mark};
 use crate::formats::error::{FormatError, remedy};
 use crate::goniometric::{
-    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side,
-    Table,
+    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, ReadNotice,
+    Scatter, Side, Table,
 };
 
 pub(super) const FORMAT: Descriptor = Descriptor {
@@ -79,14 +79,10 @@ fn read(input: &Input) -> Result<Goniometric, FormatError> {
     let grid = Grid::new(Parameters::Spherical, axes, Fold::None, 3, [4, 0, 1, 2, 3], values);
     let mut warnings = Vec::new();
     if negative > 0 {
-        warnings.push(format!(
-            "{negative} values are negative, as files of this format have them; they are kept"
-        ));
+        warnings.push(ReadNotice::NegativeValues { count: negative });
     }
     if options.scale.is_none() {
-        warnings.push(
-            "the scale of the values is not stated; give the factor to 1/sr (--scale) to use them as a BRDF".into(),
-        );
+        warnings.push(ReadNotice::ScaleNotStated);
     }
     Ok(Goniometric {
         format: FORMAT.format,

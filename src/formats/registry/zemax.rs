@@ -6,8 +6,8 @@ use crate::formats::descriptor::{Descriptor, FormatReader, USUAL_SIZES};
 use crate::formats::error::{FormatError, remedy};
 use crate::formats::text::{NOT_NEGATIVE, Readings, Text, Tokens};
 use crate::goniometric::{
-    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, Scatter, Side,
-    Table, radians,
+    Axis, ChannelSet, Component, FileProvenance, Fold, Format, Goniometric, Grid, Parameters, Quantity, ReadNotice,
+    Scatter, Side, Table, radians,
 };
 
 pub(super) const ZEMAX: Descriptor = Descriptor {
@@ -268,10 +268,10 @@ fn read_lighttools(text: Text) -> Result<Goniometric, FormatError> {
         return Err(FormatError::file(text.path, "at least one block AOI", "none", remedy));
     }
     if symmetry == "PlaneSymmetrical" {
-        warnings.push("the file calls itself PlaneSymmetrical; azimuths it does not list are not filled in".into());
+        warnings.push(ReadNotice::AzimuthsNotFilled);
     }
     if blocks.iter().any(|b| b.side == Side::Back) {
-        warnings.push("azimuths on the back are taken to run as on the front".into());
+        warnings.push(ReadNotice::BackAsFront);
     }
     Ok(Goniometric {
         format: LIGHT_TOOLS.format,

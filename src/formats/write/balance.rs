@@ -1,47 +1,25 @@
 //! What resampling does to hemispherical values, and how it is undone: each incidence is scaled back to the source's
 //! value.
 
+use super::notice::{HemisphericalChange, WriteNotice};
 use super::sampling::ChannelMap;
 use crate::goniometric::{Component, Hemispherical};
-use crate::number::{count, shown};
 
 /// Factors beyond these would bend values more than they mend them: the table cannot hold what the source does.
 const FACTORS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 /// Changes that a notice reports.
 const TOLD: f64 = 5e-4;
 
-/// A value before and after, at an incidence.
-#[derive(Clone, Copy)]
-struct Change {
-    theta_i_deg: f64,
-    source: f64,
-    table: f64,
-    /// Of both integrals together, estimated.
-    error: f64,
-}
-
-impl Change {
-    /// The error in words, two digits of it.
-    fn integrated(&self) -> String {
-        let rounded = format!("{:.1e}", self.error).parse().unwrap_or(self.error);
-        format!("integrated to within {}", shown(rounded))
-    }
-
-    fn size(&self) -> f64 {
-        (self.source / self.table - 1.0).abs()
-    }
-}
-
 /// The largest change of a hemispherical value that was undone, and the largest one that was not.
 #[derive(Default)]
 pub(super) struct Balance {
-    undone: Option<Change>,
-    left: Option<Change>,
+    undone: Option<HemisphericalChange>,
+    left: Option<HemisphericalChange>,
     /// Incidences whose hemisphere the source or the table does not cover.
     uncovered: usize,
 }
 
-fn keep_larger(kept: &mut Option<Change>, change: Change) {
+fn keep_larger(kept: &mut Option<HemisphericalChange>, change: HemisphericalChange) {
     if kept.is_none_or(|kept| kept.size() < change.size()) {
         *kept = Some(change);
     }
@@ -74,7 +52,7 @@ impl Balance {
                 return 1.0;
             }
             let (source, table) = (value, known);
-            let change = Change {
+            let change = HemisphericalChange {
                 theta_i_deg,
                 source,
                 table,
@@ -103,7 +81,7 @@ impl Balance {
         let errors = source.errors.iter().zip(&table.errors).map(|(a, b)| a + b);
         for ((&source, &table), error) in source.values.iter().zip(&table.values).zip(errors) {
             if source > 0.0 && table > 0.0 {
-                let change = Change {
+                let change = HemisphericalChange {
                     theta_i_deg,
                     source,
                     table,
@@ -114,33 +92,17 @@ impl Balance {
         }
     }
 
-    pub(super) fn notice(&self, notices: &mut Vec<String>) {
+    pub(super) fn notice(&self, notices: &mut Vec<WriteNotice>) {
         if let Some(c) = self.undone.filter(|c| c.size() > TOLD) {
-            notices.push(format!(
-                "hemispherical values are kept: values are scaled at each incidence and channel, by {:+.2} % at most, at \
-                 incidence {} degrees, where the table alone has {:.5} for {:.5}, {}",
-                100.0 * (c.source / c.table - 1.0),
-                shown(c.theta_i_deg),
-                c.table,
-                c.source,
-                c.integrated()
-            ));
+            notices.push(WriteNotice::BalanceKept(c));
         }
         if let Some(c) = self.left.filter(|c| c.size() > TOLD) {
-            notices.push(format!(
-                "hemispherical values change by up to {:+.2} %: {:.5} becomes {:.5} at incidence {} degrees, {}",
-                100.0 * (c.table / c.source - 1.0),
-                c.source,
-                c.table,
-                shown(c.theta_i_deg),
-                c.integrated()
-            ));
+            notices.push(WriteNotice::BalanceChanged(c));
         }
         if self.uncovered > 0 {
-            notices.push(format!(
-                "at {} of incidence the source does not cover the hemisphere: its hemispherical value is not kept there",
-                count(self.uncovered, "direction")
-            ));
+            notices.push(WriteNotice::NotCovered {
+                directions: self.uncovered,
+            });
         }
     }
 }

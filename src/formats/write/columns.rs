@@ -4,10 +4,10 @@ use std::fmt::Write;
 use rayon::prelude::*;
 
 use super::super::descriptor::Content;
-use super::WriteError;
 use super::balance::{Balance, hemispherical};
 use super::nodes::Probe;
 use super::sampling::{Sampler, every};
+use super::{WriteError, WriteNotice};
 use crate::goniometric::{
     ChannelSet, Component, Directions, FileProvenance, Format, Grid, Hemispherical, Parameters, Quantity, Scatter,
     Scattered, Table, direction, rounded_deg,
@@ -24,11 +24,11 @@ const MOST: [[usize; 2]; 2] = [[64, 60], [30, 36]];
 type ColumnReading = (Vec<f64>, Vec<f64>);
 
 /// Lines of angles and values in the style of ASTM E1392: f over radians.
-pub(in crate::formats) fn astm(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn astm(content: &Content, notices: &mut Vec<WriteNotice>) -> Result<Vec<u8>, WriteError> {
     let component = content.component;
     let readings = readings(component, content.format, Quantity::Bsdf, notices)?;
     if component.scatter == Scatter::Transmission {
-        notices.push("astm does not state that the values are of transmission".into());
+        notices.push(WriteNotice::TransmissionNotStated { format: content.format });
     }
     Ok(astm_lines(
         component,
@@ -39,7 +39,7 @@ pub(in crate::formats) fn astm(content: &Content, notices: &mut Vec<String>) -> 
 }
 
 /// Lines of angles and values as this program's CSV: β over degrees.
-pub(in crate::formats) fn csv(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn csv(content: &Content, notices: &mut Vec<WriteNotice>) -> Result<Vec<u8>, WriteError> {
     let component = content.component;
     let readings = readings(component, content.format, Quantity::BrightnessFactor, notices)?;
     // A CSV's own errors are of its own quantity; no other format states any.
@@ -141,7 +141,7 @@ fn readings(
     component: &Component,
     format: Format,
     quantity: Quantity,
-    notices: &mut Vec<String>,
+    notices: &mut Vec<WriteNotice>,
 ) -> Result<Vec<ColumnReading>, WriteError> {
     let of = |value: f64, theta_o: f64| {
         if component.quantity == quantity {
@@ -188,7 +188,7 @@ fn resampled(
     component: &Component,
     format: Format,
     quantity: Quantity,
-    notices: &mut Vec<String>,
+    notices: &mut Vec<WriteNotice>,
 ) -> Result<Vec<ColumnReading>, WriteError> {
     let sampler = Sampler::new(component, format)?;
     let isotropic = component.is_isotropic();

@@ -20,8 +20,9 @@ pub enum WriteError {
     #[error("the source's values are of a scale it does not state; give the factor to 1/sr (--scale)")]
     Unscaled,
     #[error(
-        "{format} needs f at incidence {theta_i_deg:.4} degrees towards {theta_o_deg:.4} degrees, azimuth {phi_o_deg:.4}, \
-         and the source has nothing near it at that azimuth; take a format that holds single readings (csv, astm)"
+        "{format} needs f at incidence {theta_i_deg:.4} degrees towards {theta_o_deg:.4} degrees, azimuth \
+         {phi_o_deg:.4}, and the source has nothing near it at that azimuth; take a format that holds single readings \
+         (csv, astm)"
     )]
     NotMeasured {
         format: Format,

@@ -4,10 +4,10 @@ use std::fmt::Write;
 use rayon::prelude::*;
 
 use super::super::descriptor::Content;
-use super::WriteError;
 use super::balance::{Balance, hemispherical};
 use super::nodes::Probe;
 use super::sampling::{ChannelMap, Sampler, clipped, every};
+use super::{WriteError, WriteNotice};
 use crate::geometry::Vec3;
 use crate::goniometric::{
     Axis, ChannelSet, Component, FileProvenance, Fold, Format, Grid, Hemispherical, Parameters, Quantity, Table,
@@ -40,7 +40,11 @@ pub(super) struct SpecularGrid {
 
 impl SpecularGrid {
     /// The source's own nodes where it has such a table, else a table of even steps.
-    pub(super) fn of(component: &Component, format: Format, notices: &mut Vec<String>) -> Result<Self, WriteError> {
+    pub(super) fn of(
+        component: &Component,
+        format: Format,
+        notices: &mut Vec<WriteNotice>,
+    ) -> Result<Self, WriteError> {
         if let Table::Grid(grid) = &component.table
             && let Parameters::Specular { offsets_rad } = grid.parameters()
             && matches!(grid.fold(), Fold::None | Fold::Mirror)
@@ -196,7 +200,7 @@ fn block_names(channels: &ChannelSet) -> Vec<String> {
 }
 
 /// XYZ becomes RGB; all else stays.
-fn mapped(values: Vec<f64>, channels: &ChannelSet, notices: &mut Vec<String>) -> Result<Vec<f64>, WriteError> {
+fn mapped(values: Vec<f64>, channels: &ChannelSet, notices: &mut Vec<WriteNotice>) -> Result<Vec<f64>, WriteError> {
     if *channels != ChannelSet::Xyz {
         return Ok(values);
     }
@@ -206,7 +210,7 @@ fn mapped(values: Vec<f64>, channels: &ChannelSet, notices: &mut Vec<String>) ->
     Ok(mapped)
 }
 
-pub(in crate::formats) fn diffuse(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn diffuse(content: &Content, notices: &mut Vec<WriteNotice>) -> Result<Vec<u8>, WriteError> {
     let (component, provenance) = (content.component, content.provenance);
     let grid = SpecularGrid::of(component, content.format, notices)?;
     let scale = if grid.quantity == Quantity::Bsdf { PI } else { 1.0 };
@@ -258,7 +262,7 @@ pub(in crate::formats) fn diffuse(content: &Content, notices: &mut Vec<String>) 
     Ok(text.into_bytes())
 }
 
-pub(in crate::formats) fn specular(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn specular(content: &Content, notices: &mut Vec<WriteNotice>) -> Result<Vec<u8>, WriteError> {
     let (component, provenance) = (content.component, content.provenance);
     let Table::Specular(table) = &component.table else {
         return Err(WriteError::CannotHold {
@@ -269,7 +273,7 @@ pub(in crate::formats) fn specular(content: &Content, notices: &mut Vec<String>)
         });
     };
     if !table.azimuth().is_single() {
-        notices.push("fractions are those of the first incident azimuth".into());
+        notices.push(WriteNotice::FirstAzimuth);
     }
     let sigma = degrees(table.incidence().nodes_rad());
     let nodes = (0..sigma.len()).flat_map(|node| table.at(node, 0).to_vec());

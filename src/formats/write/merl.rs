@@ -4,11 +4,11 @@ use rayon::prelude::*;
 
 use super::super::descriptor::Content;
 use super::super::merl_table as merl;
-use super::WriteError;
 use super::balance::{Balance, hemispherical, mapped};
 use super::sampling::{ChannelMap, Sampler, clipped, every};
+use super::{WriteError, WriteNotice};
 use crate::geometry::Vec3;
-use crate::goniometric::{ChannelSet, Component, Hemispherical, Quantity, Scatter, Side, Table};
+use crate::goniometric::{ChannelSet, Component, Format, Hemispherical, Quantity, Scatter, Side, Table};
 
 /// Departures of hemispherical values that nodes are not scaled for.
 const KEPT: f64 = 5e-3;
@@ -18,7 +18,7 @@ const PASSES: usize = 3;
 const TURNS: usize = 8;
 
 /// Linear RGB at each node; of an anisotropic source the mean over turns of the sample about its normal.
-pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<WriteNotice>) -> Result<Vec<u8>, WriteError> {
     let component = content.component;
     let map = ChannelMap::to_rgb(&component.channels, notices)?;
     let as_rgb = component.with_channels(ChannelSet::Rgb, |values| map.apply(values));
@@ -29,9 +29,10 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
     let sampler = Sampler::new(component, content.format)?;
     let turns = if component.is_isotropic() { 1 } else { TURNS };
     if turns > 1 {
-        notices.push(format!(
-            "merl holds isotropic data: values are the mean over {TURNS} turns about the normal"
-        ));
+        notices.push(WriteNotice::Isotropic {
+            format: content.format,
+            azimuths: TURNS,
+        });
     }
     let turns_rad: Vec<f64> = (0..turns).map(|turn| turn as f64 / turns as f64 * TAU).collect();
     let mean = |omega_in: &Vec3, omega_out: &Vec3| -> Result<[f64; 3], WriteError> {
@@ -54,7 +55,7 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
     let nodes = nodes.collect::<Result<Vec<Option<([f64; 3], Departure)>>, _>>()?;
     let departures = nodes.iter().flatten().map(|(_, departure)| *departure);
     if let Some(largest) = departures.max_by(|a, b| a.share.total_cmp(&b.share)) {
-        largest.notice(notices);
+        largest.notice(content.format, notices);
     }
     let mut rgb: Vec<Option<[f64; 3]>> = nodes.into_iter().map(|node| node.map(|(rgb, _)| rgb)).collect();
     let mut negative = Vec::new();
@@ -62,7 +63,7 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
         .flatten()
         .for_each(|values| clipped(values, &mut negative));
     if !negative.is_empty() {
-        notices.push("components of colours outside the RGB space are written as 0".into());
+        notices.push(WriteNotice::Clipped { components: None });
     }
     sampler.notice(notices);
     keep(component, &map, &turns_rad, &mut rgb, notices);
@@ -96,17 +97,16 @@ impl Departure {
         }
     }
 
-    fn notice(&self, notices: &mut Vec<String>) {
+    fn notice(&self, format: Format, notices: &mut Vec<WriteNotice>) {
         /// Below it values differ by interpolation alone.
         const TOLD: f64 = 1e-3;
-        let ([theta_i, theta_o], [there, back]) = (self.theta_deg, self.values);
         if self.share > TOLD {
-            notices.push(format!(
-                "merl holds reciprocal data: values are means with light and viewer exchanged; that changes f by up to {:.1} %, at \
-                 incidence {theta_i:.1} degrees towards {theta_o:.1} degrees, where it is {there:.4} one way and {back:.4} the \
-                 other, 1/sr",
-                100.0 * self.share
-            ));
+            notices.push(WriteNotice::Reciprocal {
+                format,
+                share: self.share,
+                theta_deg: self.theta_deg,
+                values: self.values,
+            });
         }
     }
 }
@@ -118,7 +118,7 @@ fn keep(
     map: &ChannelMap,
     turns_rad: &[f64],
     rgb: &mut [Option<[f64; 3]>],
-    notices: &mut Vec<String>,
+    notices: &mut Vec<WriteNotice>,
 ) {
     const STEP_DEG: f64 = 5.0;
     let incidences_deg = every(STEP_DEG, 80.0);

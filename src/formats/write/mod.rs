@@ -6,6 +6,7 @@ mod error;
 pub(super) mod integra;
 pub(super) mod merl;
 mod nodes;
+mod notice;
 pub(super) mod radiance;
 pub(super) mod rgl;
 mod sampling;
@@ -13,3 +14,4 @@ pub(super) mod ssdd;
 
 pub use error::WriteError;
 pub(crate) use integra::resampled_nodes;
+pub use notice::WriteNotice;

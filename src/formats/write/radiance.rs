@@ -4,9 +4,9 @@ use std::fmt::Write;
 use rayon::prelude::*;
 
 use super::super::descriptor::Content;
-use super::WriteError;
 use super::balance::Balance;
 use super::sampling::{ChannelMap, Sampler, clipped};
+use super::{WriteError, WriteNotice};
 use crate::geometry::Vec3;
 use crate::goniometric::{
     ChannelSet, Component, FileProvenance, Format, Hemisphere, Hemispherical, KlemsBasis, KlemsMatrix, Scatter, Side,
@@ -21,7 +21,7 @@ const COVERED: f64 = 0.5;
 
 /// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z. Specular fractions
 /// are on their diagonals.
-pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<WriteNotice>) -> Result<Vec<u8>, WriteError> {
     let (components, provenance) = (content.components, content.provenance);
     let mut matrices: Vec<(&Component, KlemsMatrix)> = Vec::new();
     for component in components {
@@ -37,7 +37,7 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
             let alike = alike.find(|(of, _)| (of.scatter, of.side) == (component.scatter, component.side));
             match alike {
                 Some((_, matrix)) => on_diagonal(component, table, matrix, content.format, notices)?,
-                None => notices.push("specular fractions without scattering of their kind are left out".into()),
+                None => notices.push(WriteNotice::SpecularLeftOut),
             }
         }
     }
@@ -99,8 +99,7 @@ fn define(text: &mut String, basis: &KlemsBasis) {
         let centre = if ring == 0 { 0.0 } else { (low + high) / 2.0 };
         let _ = writeln!(
             text,
-            "<AngleBasisBlock><Theta>{centre}</Theta><nPhis>{patches}</nPhis><ThetaBounds><LowerTheta>{low}</LowerTheta>\
-             <UpperTheta>{high}</UpperTheta></ThetaBounds></AngleBasisBlock>"
+            "<AngleBasisBlock><Theta>{centre}</Theta><nPhis>{patches}</nPhis><ThetaBounds><LowerTheta>{low}</LowerTheta><UpperTheta>{high}</UpperTheta></ThetaBounds></AngleBasisBlock>"
         );
     }
     *text += "</AngleBasis>\n";
@@ -115,11 +114,11 @@ fn block(text: &mut String, component: &Component, matrix: &KlemsMatrix, wavelen
     let side = if component.side == Side::Front { "Back" } else { "Front" };
     let _ = writeln!(
         text,
-        "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength unit=\"Integral\">{wavelength}</Wavelength>\n\
-         <SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n<DetectorSpectrum>ASTM E308 1931 Y.dsp</DetectorSpectrum>\n\
-         <WavelengthDataBlock>\n<WavelengthDataDirection>{kind} {side}</WavelengthDataDirection>\n\
-         <ColumnAngleBasis>{}</ColumnAngleBasis>\n<RowAngleBasis>{}</RowAngleBasis>\n\
-         <ScatteringDataType>{data}</ScatteringDataType>\n<ScatteringData>",
+        "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength \
+         unit=\"Integral\">{wavelength}</Wavelength>\n<SourceSpectrum>CIE Illuminant D65 \
+         1nm.ssp</SourceSpectrum>\n<DetectorSpectrum>ASTM E308 1931 \
+         Y.dsp</DetectorSpectrum>\n<WavelengthDataBlock>\n<WavelengthDataDirection>{kind} \
+         {side}</WavelengthDataDirection>\n<ColumnAngleBasis>{}</ColumnAngleBasis>\n<RowAngleBasis>{}</RowAngleBasis>\n<ScatteringDataType>{data}</ScatteringDataType>\n<ScatteringData>",
         escaped(&matrix.incident().name),
         escaped(&matrix.exiting().name)
     );
@@ -135,7 +134,7 @@ fn block(text: &mut String, component: &Component, matrix: &KlemsMatrix, wavelen
 /// Means of f over pairs of patches. Of an exiting patch it is ∫ f cos θ dω over it, by the points of the integral over
 /// the hemisphere, so that hemispherical values stay those of the source; incident directions are even in projected
 /// solid angle.
-fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) -> Result<KlemsMatrix, WriteError> {
+fn averaged(component: &Component, format: Format, notices: &mut Vec<WriteNotice>) -> Result<KlemsMatrix, WriteError> {
     let basis = KlemsBasis::named("LBNL/Klems Full").ok_or_else(|| WriteError::CannotHold {
         format,
         holds: "patches of Klems' full basis".into(),
@@ -208,7 +207,7 @@ fn averaged(component: &Component, format: Format, notices: &mut Vec<String>) ->
         }
     }
     clipped(&mut values, notices);
-    notices.push("values are means over the patches of Klems' full basis".into());
+    notices.push(WriteNotice::PatchMeans);
     sampler.notice(notices);
     balance.notice(notices);
     Ok(KlemsMatrix::new(basis.clone(), basis, values))
@@ -278,12 +277,12 @@ fn on_diagonal(
     fractions: &SpecularTable,
     matrix: &mut KlemsMatrix,
     format: Format,
-    notices: &mut Vec<String>,
+    notices: &mut Vec<WriteNotice>,
 ) -> Result<(), WriteError> {
     let map = ChannelMap::to_xyz(&component.channels, notices)?;
     let basis = matrix.incident().clone();
     if *matrix.exiting() != basis {
-        notices.push("specular fractions are left out: incident and exiting patches differ".into());
+        notices.push(WriteNotice::SpecularWithoutDiagonal);
         return Ok(());
     }
     let ends = |nodes: &[f64]| [nodes[0], nodes[nodes.len() - 1]];
@@ -313,9 +312,9 @@ fn on_diagonal(
             }
         }
     }
-    notices.push("specular fractions are on the diagonal, over the projected solid angle of the patch".into());
+    notices.push(WriteNotice::SpecularOnDiagonal);
     if beyond {
-        notices.push("specular fractions beyond the first and last incidence are those there".into());
+        notices.push(WriteNotice::SpecularBeyond);
     }
     Ok(())
 }

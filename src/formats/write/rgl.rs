@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::super::descriptor::Content;
 use super::super::rgl_arrays::{Unwarped, write as write_arrays};
-use super::WriteError;
 use super::balance::{Balance, mapped};
 use super::sampling::{ChannelMap, Sampler, clipped};
+use super::{WriteError, WriteNotice};
 use crate::goniometric::{
     ChannelSet, Component, FileProvenance, Hemispherical, Table, angles_of, rounded_deg, unwarped_node,
 };
@@ -20,7 +20,7 @@ const GRAZING_DEG: f64 = 80.5;
 
 /// f cos θ_out over half vectors, without a warp: what Mitsuba, pbrt and powitacq read as it stands. Spectral data stay
 /// spectral; all others become RGB.
-pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<WriteNotice>) -> Result<Vec<u8>, WriteError> {
     let (component, provenance) = (content.component, content.provenance);
     let sampler = Sampler::new(component, content.format)?;
     let isotropic = component.is_isotropic();
@@ -75,7 +75,7 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
         sampler.notice(notices);
     }
     if filled.clipped {
-        notices.push("components of colours outside the RGB space are written as 0".into());
+        notices.push(WriteNotice::Clipped { components: None });
     }
     balance.notice(notices);
     Ok(file(&filled))

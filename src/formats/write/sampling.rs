@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::WriteError;
+use super::{WriteError, WriteNotice};
 use crate::colour::{ColourSystem, Convention, Xyz};
 use crate::geometry::Vec3;
 use crate::goniometric::{
@@ -126,14 +126,11 @@ impl<'a> Sampler<'a> {
     }
 
     /// The notice on values that were not measured.
-    pub(super) fn notice(&self, notices: &mut Vec<String>) {
-        notices.push("values are interpolated in the source's own parameters".into());
+    pub(super) fn notice(&self, notices: &mut Vec<WriteNotice>) {
+        notices.push(WriteNotice::Resampled);
         let (filled, asked) = (self.filled.load(Relaxed), self.asked.load(Relaxed));
         if filled > 0 {
-            notices.push(format!(
-                "{filled} of {asked} values lie beyond what the source measured and hold the nearest value towards the normal or of the \
-                 nearest incidence"
-            ));
+            notices.push(WriteNotice::Filled { filled, asked });
         }
     }
 }
@@ -151,20 +148,19 @@ pub(super) enum ChannelMap {
 }
 
 impl ChannelMap {
-    pub(super) fn to_rgb(from: &ChannelSet, notices: &mut Vec<String>) -> Result<Self, WriteError> {
-        let of = "linear sRGB under D65, CIE 1931 2° observer";
+    pub(super) fn to_rgb(from: &ChannelSet, notices: &mut Vec<WriteNotice>) -> Result<Self, WriteError> {
         Ok(match from {
             ChannelSet::Rgb => Self::Same,
             ChannelSet::Monochrome => {
-                notices.push("the one channel is written as red, green and blue alike".into());
+                notices.push(WriteNotice::Grey);
                 Self::Grey
             }
             ChannelSet::Xyz => {
-                notices.push("XYZ is written as linear sRGB".into());
+                notices.push(WriteNotice::XyzAsRgb);
                 Self::Matrix(xyz_to_rgb()?)
             }
             ChannelSet::Wavelengths(grid) => {
-                notices.push(format!("spectra are written as {of}"));
+                notices.push(WriteNotice::SpectraAsRgb);
                 Self::Spectral {
                     system: Box::new(colour_of(grid, notices)?),
                     rgb: true,
@@ -173,16 +169,16 @@ impl ChannelMap {
         })
     }
 
-    pub(super) fn to_xyz(from: &ChannelSet, notices: &mut Vec<String>) -> Result<Self, WriteError> {
+    pub(super) fn to_xyz(from: &ChannelSet, notices: &mut Vec<WriteNotice>) -> Result<Self, WriteError> {
         Ok(match from {
             ChannelSet::Xyz | ChannelSet::Monochrome => Self::Same,
             ChannelSet::Rgb => {
-                notices.push("RGB of no stated primaries is taken as linear sRGB".into());
+                notices.push(WriteNotice::RgbAsSrgb);
                 let inverse = xyz_to_rgb()?.try_inverse();
                 Self::Matrix(inverse.unwrap_or_else(Matrix3::identity))
             }
             ChannelSet::Wavelengths(grid) => {
-                notices.push("spectra are written as XYZ under D65, CIE 1931 2° observer".into());
+                notices.push(WriteNotice::SpectraAsXyz);
                 Self::Spectral {
                     system: Box::new(colour_of(grid, notices)?),
                     rgb: false,
@@ -212,10 +208,10 @@ impl ChannelMap {
 }
 
 /// The conversion of spectra, and what makes their colours doubtful.
-fn colour_of(grid: &WavelengthGrid, notices: &mut Vec<String>) -> Result<ColourSystem, WriteError> {
+fn colour_of(grid: &WavelengthGrid, notices: &mut Vec<WriteNotice>) -> Result<ColourSystem, WriteError> {
     let system = ColourSystem::new(grid, Convention::default())?;
     system.require()?;
-    notices.extend(system.notice());
+    notices.extend(system.notice().map(|words| WriteNotice::DoubtfulColours { words }));
     Ok(system)
 }
 
@@ -231,12 +227,12 @@ fn xyz_to_rgb() -> Result<Matrix3<f64>, WriteError> {
 }
 
 /// Colours outside the gamut have negative components, which no format takes.
-pub(super) fn clipped(values: &mut [f64], notices: &mut Vec<String>) {
+pub(super) fn clipped(values: &mut [f64], notices: &mut Vec<WriteNotice>) {
     let negative = values.iter_mut().filter(|v| **v < 0.0).map(|v| *v = 0.0).count();
     if negative > 0 {
-        notices.push(format!(
-            "{negative} components of colours outside the RGB space are written as 0"
-        ));
+        notices.push(WriteNotice::Clipped {
+            components: Some(negative),
+        });
     }
 }
 

@@ -3,14 +3,14 @@ use std::fmt::Write;
 
 use super::super::descriptor::Content;
 use super::super::options::Encoding;
-use super::WriteError;
 use super::integra::{SpecularGrid, line};
+use super::{WriteError, WriteNotice};
 use crate::goniometric::{
     ChannelSet, Component, Fold, Format, Grid, Parameters, Scatter, SpecularTable, Table, degrees,
 };
 
 /// Blocks of values with all their digits, or of 32-bit floats, one a component.
-pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) -> Result<Vec<u8>, WriteError> {
+pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<WriteNotice>) -> Result<Vec<u8>, WriteError> {
     let (components, provenance) = (content.components, content.provenance);
     let mut head = format!("VERSION 0.3\nSOFTWARE specval-{}\n", env!("CARGO_PKG_VERSION"));
     for comment in &provenance.comments {
@@ -58,7 +58,7 @@ pub(in crate::formats) fn write(content: &Content, notices: &mut Vec<String>) ->
         }
     }
     if rounded {
-        notices.push("values are rounded to 32-bit floating point".into());
+        notices.push(WriteNotice::RoundedTo32Bits);
     }
     Ok(bytes)
 }
@@ -188,7 +188,7 @@ fn resampled(
     text: &mut String,
     component: &Component,
     format: Format,
-    notices: &mut Vec<String>,
+    notices: &mut Vec<WriteNotice>,
 ) -> Result<Vec<f64>, WriteError> {
     let grid = SpecularGrid::of(component, format, notices)?;
     *text += "PARAM_TYPE specular_coordinate_system\n";

@@ -3,11 +3,14 @@
 mod canvas;
 mod fit_panels;
 mod look;
+mod parameter;
 mod picture;
 mod view_angle;
 
 pub use canvas::chart_font;
 pub use fit_panels::{FitCurves, fit_panels};
+pub(crate) use parameter::name as sweep_name;
+pub use parameter::sweep_charts;
 pub use picture::Outline;
 pub(crate) use picture::file_names;
 pub use view_angle::{Graph, graphs};

@@ -3,7 +3,7 @@ use crate::cloth::light::{ClothFraction, HemisphereNodes};
 use crate::colour::{ColourError, ColourSystem, Convention};
 use crate::formats::{
     Axis, ChannelSet, Component, Fold, Grid, KlemsBasis, KlemsMatrix, Parameters, Quantity, Scatter, Side,
-    SpecularTable, Table,
+    SpecularTable, Table, WriteNotice,
 };
 use crate::spectrum::WavelengthGrid;
 use crate::transport::Estimate;
@@ -44,13 +44,13 @@ impl FullBsdf {
         &self,
         colours: Colours,
         as_beta: bool,
-        notices: &mut Vec<String>,
+        notices: &mut Vec<WriteNotice>,
     ) -> Result<Vec<Component>, ColourError> {
         let negative = Cell::new(0usize);
         let system = ColourSystem::new(&self.grid, Convention::default())?;
         if colours != Colours::Spectral {
             system.require()?;
-            notices.extend(system.notice());
+            notices.extend(system.notice().map(|words| WriteNotice::DoubtfulColours { words }));
         }
         let values = |spectrum: &[Estimate]| {
             let values: Vec<f64> = spectrum.iter().map(|f| f.value).collect();
@@ -71,10 +71,9 @@ impl FullBsdf {
         let channels = colours.channels(&self.grid);
         let tables = self.tables(&channels, as_beta, &values, true);
         if negative.get() > 0 {
-            let count = negative.get();
-            notices.push(format!(
-                "{count} components of colours outside the RGB space are written as 0"
-            ));
+            notices.push(WriteNotice::Clipped {
+                components: Some(negative.get()),
+            });
         }
         Ok(tables)
     }

@@ -10,13 +10,13 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// Values of an array to write.
-pub enum Values<'a> {
+pub enum ArrayValues<'a> {
     F64(Cow<'a, [f64]>),
     F32(Cow<'a, [f32]>),
 }
 
 /// Where the values of an array are read into.
-pub enum Target<'a> {
+pub enum ArrayTarget<'a> {
     F64(&'a mut Vec<f64>),
     F32(&'a mut Vec<f32>),
 }
@@ -24,33 +24,33 @@ pub enum Target<'a> {
 /// What is kept of a quantity, as arrays: its amount, squares or standard errors of it, and its moment, as far as there
 /// are any.
 pub trait Held {
-    fn values(&self) -> Vec<Values<'_>>;
+    fn values(&self) -> Vec<ArrayValues<'_>>;
 
-    fn values_mut(&mut self) -> Vec<Target<'_>>;
+    fn values_mut(&mut self) -> Vec<ArrayTarget<'_>>;
 
     /// Number of batches that sums are of.
     fn set_batches(&mut self, _: u64) {}
 }
 
-impl<'a> From<&'a Vec<f64>> for Values<'a> {
+impl<'a> From<&'a Vec<f64>> for ArrayValues<'a> {
     fn from(values: &'a Vec<f64>) -> Self {
         Self::F64(values.into())
     }
 }
 
-impl<'a> From<&'a Vec<f32>> for Values<'a> {
+impl<'a> From<&'a Vec<f32>> for ArrayValues<'a> {
     fn from(values: &'a Vec<f32>) -> Self {
         Self::F32(values.into())
     }
 }
 
-impl<'a> From<&'a mut Vec<f64>> for Target<'a> {
+impl<'a> From<&'a mut Vec<f64>> for ArrayTarget<'a> {
     fn from(values: &'a mut Vec<f64>) -> Self {
         Self::F64(values)
     }
 }
 
-impl<'a> From<&'a mut Vec<f32>> for Target<'a> {
+impl<'a> From<&'a mut Vec<f32>> for ArrayTarget<'a> {
     fn from(values: &'a mut Vec<f32>) -> Self {
         Self::F32(values)
     }
@@ -60,11 +60,11 @@ impl<'a> From<&'a mut Vec<f32>> for Target<'a> {
 macro_rules! held {
     ($type:ty: $($field:tt),+ $(; counts $batches:ident)?) => {
         impl Held for $type {
-            fn values(&self) -> Vec<Values<'_>> {
+            fn values(&self) -> Vec<ArrayValues<'_>> {
                 vec![$((&self.$field).into()),+]
             }
 
-            fn values_mut(&mut self) -> Vec<Target<'_>> {
+            fn values_mut(&mut self) -> Vec<ArrayTarget<'_>> {
                 vec![$((&mut self.$field).into()),+]
             }
 
@@ -83,35 +83,35 @@ held!(LengthTable: mean, se, moment_mm);
 
 impl<T> Held for Vec<T>
 where
-    for<'a> Values<'a>: From<&'a Vec<T>>,
-    for<'a> Target<'a>: From<&'a mut Vec<T>>,
+    for<'a> ArrayValues<'a>: From<&'a Vec<T>>,
+    for<'a> ArrayTarget<'a>: From<&'a mut Vec<T>>,
 {
-    fn values(&self) -> Vec<Values<'_>> {
+    fn values(&self) -> Vec<ArrayValues<'_>> {
         vec![self.into()]
     }
 
-    fn values_mut(&mut self) -> Vec<Target<'_>> {
+    fn values_mut(&mut self) -> Vec<ArrayTarget<'_>> {
         vec![self.into()]
     }
 }
 
 impl Held for Option<TraceTable> {
-    fn values(&self) -> Vec<Values<'_>> {
+    fn values(&self) -> Vec<ArrayValues<'_>> {
         self.as_ref().map(Held::values).unwrap_or_default()
     }
 
-    fn values_mut(&mut self) -> Vec<Target<'_>> {
+    fn values_mut(&mut self) -> Vec<ArrayTarget<'_>> {
         self.get_or_insert_default().values_mut()
     }
 }
 
 /// An array of a file, described and with its values.
-pub(super) struct Entry<'a> {
+pub(super) struct ArrayEntry<'a> {
     pub info: ArrayInfo,
-    pub values: Values<'a>,
+    pub values: ArrayValues<'a>,
 }
 
-impl Values<'_> {
+impl ArrayValues<'_> {
     pub fn element(&self) -> ElementType {
         match self {
             Self::F64(_) => ElementType::F64,
@@ -120,11 +120,11 @@ impl Values<'_> {
     }
 }
 
-impl Entry<'_> {
+impl ArrayEntry<'_> {
     pub fn append(self, file: &mut Writer) -> Result<(), ArtefactError> {
         match self.values {
-            Values::F64(values) => file.append(&self.info.name, values.iter().copied()),
-            Values::F32(values) => file.append(&self.info.name, values.iter().copied()),
+            ArrayValues::F64(values) => file.append(&self.info.name, values.iter().copied()),
+            ArrayValues::F32(values) => file.append(&self.info.name, values.iter().copied()),
         }
     }
 }
@@ -135,7 +135,7 @@ pub(super) fn write(
     kind: ArtefactKind,
     layout: &YarnLayout,
     header: &serde_json::Value,
-    entries: Vec<Entry>,
+    entries: Vec<ArrayEntry>,
 ) -> Result<(), RunError> {
     let infos: Vec<ArrayInfo> = entries.iter().map(|entry| entry.info.clone()).collect();
     let mut file = Writer::create(path, kind, &layout.identity()?, header, &infos)?;
@@ -145,7 +145,12 @@ pub(super) fn write(
     Ok(file.finish()?)
 }
 
-pub(super) fn read_into(file: &mut Reader, name: &str, shape: &[usize], target: Target) -> Result<(), ArtefactError> {
+pub(super) fn read_into(
+    file: &mut Reader,
+    name: &str,
+    shape: &[usize],
+    target: ArrayTarget,
+) -> Result<(), ArtefactError> {
     fn read<T: Element>(
         file: &mut Reader,
         name: &str,
@@ -156,7 +161,7 @@ pub(super) fn read_into(file: &mut Reader, name: &str, shape: &[usize], target: 
         Ok(())
     }
     match target {
-        Target::F64(values) => read(file, name, shape, values),
-        Target::F32(values) => read(file, name, shape, values),
+        ArrayTarget::F64(values) => read(file, name, shape, values),
+        ArrayTarget::F32(values) => read(file, name, shape, values),
     }
 }

@@ -2,7 +2,7 @@
 //! further quantity takes a row, a field of [`Quantities`] with its lines below, and the place that computes it.
 
 use super::YarnLayout;
-use super::arrays::{Entry, Held, Values, read_into};
+use super::arrays::{ArrayEntry, ArrayValues, Held, read_into};
 use super::tables::{LengthTable, TraceTable};
 use crate::artefact::{ArrayInfo, ArtefactError, Reader};
 use crate::transport::{BatchSums, Column, Fraction, FractionList};
@@ -151,7 +151,7 @@ impl Row {
     }
 
     /// One of its arrays, by its name in the file.
-    pub fn entry<'a>(&self, layout: &YarnLayout, name: String, values: Values<'a>) -> Entry<'a> {
+    pub fn entry<'a>(&self, layout: &YarnLayout, name: String, values: ArrayValues<'a>) -> ArrayEntry<'a> {
         let components = (self.components)().join(", ");
         let info = ArrayInfo {
             name,
@@ -163,7 +163,7 @@ impl Row {
             shape: self.shape(layout),
             element: values.element(),
         };
-        Entry { info, values }
+        ArrayEntry { info, values }
     }
 
     /// Names and units of its arrays, in the order of [`Held`].
@@ -234,7 +234,7 @@ impl<Beam: Held, Patch: Held, Largest: Held, ByLength: Held> Quantities<Beam, Pa
     }
 
     /// The arrays of a file in its order.
-    pub(super) fn entries(&self, layout: &YarnLayout, part: Part) -> Vec<Entry<'_>> {
+    pub(super) fn entries(&self, layout: &YarnLayout, part: Part) -> Vec<ArrayEntry<'_>> {
         let mut entries = Vec::new();
         for (row, held) in self.rows() {
             for ((name, unit), values) in std::iter::zip(row.arrays(part), held.values()) {

@@ -18,7 +18,7 @@ use super::{RunError, energy_rows};
 use crate::artefact::{ArtefactError, ArtefactKind, Reader};
 use crate::report::EnergyRow;
 use crate::transport::{Column, Estimate};
-use arrays::{Entry, Values, write};
+use arrays::{ArrayEntry, ArrayValues, write};
 use catalogue::{DIRECT_SYSTEMATIC, ENERGY, ENERGY_SYSTEMATIC, Part};
 use layout::parse;
 use std::path::Path;
@@ -59,12 +59,12 @@ impl YarnArtefact {
     /// Writes the file whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), RunError> {
         let layout = &self.layout;
-        let mut entries: Vec<Entry> = energy_names()
+        let mut entries: Vec<ArrayEntry> = energy_names()
             .into_iter()
             .zip([|of: Estimate| of.value, |of: Estimate| of.se])
             .map(|(name, part)| {
                 let values = self.energy.iter().flat_map(|row| row.columns().map(part));
-                let values = Values::F64(values.collect());
+                let values = ArrayValues::F64(values.collect());
                 ENERGY.entry(layout, name, values)
             })
             .collect();

@@ -1,4 +1,4 @@
-use super::arrays::Entry;
+use super::arrays::ArrayEntry;
 use super::catalogue::{BatchTables, Part};
 use super::layout::{damaged, parse};
 use super::state::{ledgers_entry, read_ledgers};
@@ -47,7 +47,7 @@ impl<'a> ShardWriter<'a> {
 }
 
 /// The arrays of one batch.
-fn entries<'a>(layout: &YarnLayout, number: usize, batch: &'a YarnBatch) -> Vec<Entry<'a>> {
+fn entries<'a>(layout: &YarnLayout, number: usize, batch: &'a YarnBatch) -> Vec<ArrayEntry<'a>> {
     let mut entries = vec![ledgers_entry(layout, number, &batch.ledgers)];
     entries.extend(batch.tables.entries(layout, Part::Batch(number)));
     entries

@@ -1,5 +1,5 @@
 use super::YarnLayout;
-use super::arrays::{Entry, Values, write};
+use super::arrays::{ArrayEntry, ArrayValues, write};
 use super::catalogue::{BatchTables, LEDGERS, Part, SumTables};
 use super::layout::parse;
 use crate::artefact::{ArtefactError, ArtefactKind, Reader};
@@ -41,7 +41,7 @@ impl YarnSums {
     /// Writes the state of the run; a file that is there is replaced in one step.
     pub fn save(&self, layout: &YarnLayout, path: &Path) -> Result<(), RunError> {
         let ledgers = self.ledgers.iter().enumerate();
-        let mut entries: Vec<Entry> = ledgers
+        let mut entries: Vec<ArrayEntry> = ledgers
             .map(|(batch, ledgers)| ledgers_entry(layout, batch, ledgers))
             .collect();
         entries.extend(self.tables.entries(layout, Part::Sums));
@@ -72,9 +72,9 @@ fn ledgers_name(batch: usize) -> String {
 }
 
 /// The ledgers of one batch as an array of a shard or a state.
-pub(super) fn ledgers_entry<'a>(layout: &YarnLayout, batch: usize, ledgers: &[Ledger]) -> Entry<'a> {
+pub(super) fn ledgers_entry<'a>(layout: &YarnLayout, batch: usize, ledgers: &[Ledger]) -> ArrayEntry<'a> {
     let amounts: Vec<f64> = ledgers.iter().flat_map(Ledger::amounts).collect();
-    LEDGERS.entry(layout, ledgers_name(batch), Values::F64(amounts.into()))
+    LEDGERS.entry(layout, ledgers_name(batch), ArrayValues::F64(amounts.into()))
 }
 
 pub(super) fn read_ledgers(file: &mut Reader, layout: &YarnLayout, batch: usize) -> Result<Vec<Ledger>, ArtefactError> {

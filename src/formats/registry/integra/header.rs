@@ -2,7 +2,7 @@
 
 use crate::formats::error::{FormatError, remedy};
 use crate::formats::text::{Token, Tokens};
-use crate::goniometric::{Fold, Quantity};
+use crate::goniometric::{Fold, Quantity, ReadNotice};
 
 pub(super) struct Header<'a> {
     pub(super) source: Option<String>,
@@ -16,7 +16,7 @@ pub(super) struct Header<'a> {
     pub(super) sigmat_deg: Option<Vec<f64>>,
     pub(super) phi_deg: Option<Vec<f64>>,
     pub(super) theta_deg: Vec<f64>,
-    pub(super) warnings: Vec<String>,
+    pub(super) warnings: Vec<ReadNotice>,
     /// First word of the data.
     pub(super) data: Token<'a>,
 }
@@ -142,7 +142,7 @@ pub(super) fn header<'a>(tokens: &mut Tokens<'a>, diffuse: bool) -> Result<Heade
             .error(data.at, expected, "the first block of data", remedy)
     };
     if diffuse && symmetry.is_none() {
-        warnings.push("no TypeSym: taken as PlaneSymmetrical, as other readers do".into());
+        warnings.push(ReadNotice::NoSymmetry);
     }
     let symmetry = symmetry.unwrap_or("PlaneSymmetrical");
     let rotational = symmetry == "AxiSymmetrical";
