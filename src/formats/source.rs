@@ -17,9 +17,9 @@ pub(super) const HEAD: usize = 64 << 10;
 pub(super) struct Opened {
     pub(super) known: &'static Descriptor,
     file: File,
-    /// Its first bytes, which are read.
+    /// Its first bytes, already read from `file`.
     head: Vec<u8>,
-    /// Bytes of all of it, which its format can have.
+    /// Size of the whole file, bytes; within the sizes of its format.
     size: u64,
 }
 
