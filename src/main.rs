@@ -22,6 +22,7 @@ fn main() -> ExitCode {
             Command::Reabsorb(arguments) => cli::reabsorb::run(&arguments, &options),
             Command::Merge(arguments) => cli::merge::run(&arguments, &options),
             Command::Measure(arguments) => cli::measure::run(&arguments, &options),
+            Command::Sweep(arguments) => cli::sweep::run(&arguments, &options, &terminal),
             Command::Bsdf(arguments) => cli::bsdf::run(&arguments, &options),
             Command::Validate(arguments) => cli::validate::run(&arguments, &options, &terminal),
             Command::Colour(arguments) => cli::colour::run(&arguments, &terminal),

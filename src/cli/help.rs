@@ -33,6 +33,10 @@ pub const MERGE: &str = "Examples:
 pub const MEASURE: &str = "Examples:
   specval measure study.toml --out curves.csv
   specval measure study.toml --method volumetric --out truth.csv --paths 1e6";
+pub const SWEEP: &str = "Examples:
+  specval sweep --vary medium.kappa_peak=0.002:0.012:5 --quick
+  specval sweep study.toml --vary medium.kappa_peak=0.001:0.05:9:log --vary cloth.spacing_diameters=1.8,2,2.4 --out grid
+  specval sweep --vary medium.volume_fraction=0.05:0.25 --vary specular.roughness=0.2:0.6 --design sobol --points 64";
 pub const BSDF: &str = "Examples:
   specval bsdf study.toml --out cloth.xml
   specval bsdf study.toml --to ssdd-binary --out cloth.ssdd";

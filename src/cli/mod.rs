@@ -22,6 +22,7 @@ pub mod reabsorb;
 pub mod report;
 mod stopping;
 mod study;
+pub mod sweep;
 mod terminal;
 pub mod trace;
 pub mod validate;
@@ -89,6 +90,9 @@ pub enum Command {
     /// Brightness factors of the woven model on the virtual rig.
     #[command(long_about = help::of::<measure::Arguments>(), after_long_help = help::MEASURE)]
     Measure(measure::Arguments),
+    /// The model over ranges of the study's keys: ratios, normalisation and misfit at each point.
+    #[command(long_about = help::of::<sweep::Arguments>(), after_long_help = help::SWEEP)]
+    Sweep(sweep::Arguments),
     /// Full BSDF of the woven model, reflection and transmission, as a file for lighting simulation.
     #[command(long_about = help::of::<bsdf::Arguments>(), after_long_help = help::BSDF)]
     Bsdf(bsdf::Arguments),

@@ -12,6 +12,10 @@ pub enum RunNotice {
     Resumed { state: PathBuf, batches: usize },
     /// `--resume` without a state.
     NoState { state: PathBuf },
+    /// A sweep goes on after the points of its table.
+    ResumedSweep { path: PathBuf, points: usize },
+    /// `--max-time` ended a sweep.
+    UnfinishedSweep { points: usize, of: usize },
     /// A file of an earlier report that this one does not have.
     Removed { path: PathBuf },
     /// A file of an earlier report that this one does not have, changed since or not on record.
@@ -30,6 +34,11 @@ impl Display for RunNotice {
                     state.display()
                 )
             }
+            Self::ResumedSweep { path, points } => write!(f, "{}: goes on after {points} points", path.display()),
+            Self::UnfinishedSweep { points, of } => write!(
+                f,
+                "--max-time: {points} of {of} points are made; the same command with --resume makes the others"
+            ),
             Self::Removed { path } => write!(f, "{}: of the earlier report in this folder, removed", in_words(path)),
             Self::Left { path } => write!(
                 f,

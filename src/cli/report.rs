@@ -207,7 +207,7 @@ fn incidences(theta_i_deg: impl Iterator<Item = f64>) -> usize {
 }
 
 /// A twentieth of the paths, unless the user gave their number, and a ninth of the camera rays.
-fn quicken(study: &mut Study, fewer_paths: bool) {
+pub fn quicken(study: &mut Study, fewer_paths: bool) {
     let batches = u64::from(study.trace.batches);
     let trace = &mut study.trace;
     if fewer_paths {

@@ -127,7 +127,7 @@ pub fn recorded_command(words: impl IntoIterator<Item = OsString>) -> Vec<String
     recorded
 }
 
-fn time(text: &str) -> Result<Duration, String> {
+pub fn time(text: &str) -> Result<Duration, String> {
     humantime::parse_duration(text).map_err(|cause| {
         format!("expected a time such as 90s, 2min or \"1h 30min\", found \"{text}\" ({cause}); write number and unit")
     })

@@ -71,6 +71,13 @@ pub enum FitError {
         "the model's number of values changed from {expected} to {found}; compare the same geometries in every call"
     )]
     Length { expected: usize, found: usize },
+    #[error(
+        "--vary {text}: expected KEY=FROM:TO:COUNT, with :log behind it for equal ratios, KEY=FROM:TO of --design lhs and sobol, or \
+         KEY=V1,V2,..., found {found}; write such as medium.kappa_peak=0.002:0.02:10:log"
+    )]
+    Axis { text: String, found: String },
+    #[error("design of the sweep: expected {expected}, found {found}; change --design, --points or --vary")]
+    Design { expected: &'static str, found: String },
     /// Of the model that is fitted, in its own words.
     #[error("{0}")]
     Model(String),

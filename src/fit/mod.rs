@@ -4,6 +4,7 @@
 mod assessment;
 mod candidate;
 mod colour_difference;
+mod design;
 mod error;
 mod least_squares;
 mod left_out;
@@ -17,6 +18,7 @@ mod verdict;
 pub use assessment::{Assessment, Bound, Indistinct, assess};
 pub use candidate::{Candidate, Fitted, FittedParameter};
 pub use colour_difference::{ColourDifference, colour_differences};
+pub use design::{Axis, Design};
 pub use error::FitError;
 pub use least_squares::{Progress, Settings, Solution, StartOutcome, Watch, minimise};
 pub use left_out::{LeftOut, Predictions, left_out};

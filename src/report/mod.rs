@@ -14,9 +14,11 @@ mod render;
 mod result;
 mod result_file;
 mod summary;
+mod sweep_table;
 mod tables;
 
 pub use approximations::{ApproximationRow, Approximations, LocalityRow};
+pub use charts::sweep_charts;
 pub use charts::{Graph, Outline, chart_font, graphs};
 pub use energy_row::EnergyRow;
 pub use error::ReportError;
@@ -30,4 +32,5 @@ pub use result::{
 };
 pub use result_file::{FinishedResult, RESULT, read_result, result_json, result_path};
 pub use summary::{effort_line, summary};
+pub use sweep_table::{SweepPoint, SweepTable, SweptValue};
 pub use tables::{approximations_csv, curves_csv, energy_csv, locality_csv, table1_csv, table1_markdown};

@@ -73,9 +73,14 @@ impl BeamsOfRig {
 
     /// Sums the results of several integrators: β at `[geometry][wavelength]`.
     pub fn sum<'b>(&self, parts: impl IntoIterator<Item = &'b LitBatch>, wavelengths: usize) -> Vec<Vec<f64>> {
+        self.sum_of(parts.into_iter().map(|part| &part.beta), wavelengths)
+    }
+
+    /// The same of β at `[view][wavelength]` of each beam.
+    pub fn sum_of<'b>(&self, parts: impl IntoIterator<Item = &'b Vec<Vec<f64>>>, wavelengths: usize) -> Vec<Vec<f64>> {
         let mut sums = vec![vec![0.0; wavelengths]; self.geometries];
         for (part, places) in parts.into_iter().zip(self.places.iter().cycle()) {
-            for (&place, beta) in places.iter().zip(&part.beta) {
+            for (&place, beta) in places.iter().zip(part) {
                 sums[place].iter_mut().zip(beta).for_each(|(sum, beta)| *sum += beta);
             }
         }

@@ -3,6 +3,7 @@ use crate::artefact::ArtefactError;
 use crate::cloth::ClothError;
 use crate::colour::ColourError;
 use crate::compare::CompareError;
+use crate::fit::FitError;
 use crate::optics::OpticsError;
 use crate::output::OutputError;
 use crate::report::ReportError;
@@ -88,6 +89,8 @@ pub enum RunError {
     Weave(#[from] WeaveError),
     #[error("`measured.sample`: {0}")]
     Sample(#[from] SampleError),
+    #[error(transparent)]
+    Fit(#[from] FitError),
     #[error(transparent)]
     Compare(#[from] CompareError),
     #[error(transparent)]

@@ -153,6 +153,14 @@ impl Plan {
         }
     }
 
+    /// Whether light that left the first yarn it met is followed, where yarns scatter by f*.
+    pub(super) fn light_goes_on(&self) -> bool {
+        let reflects = |backing: &Samples| backing.values().iter().any(|r| *r > 0.0);
+        self.study.cloth.bounces.most() > 0
+            || self.study.specular.surface.is_of_yarns()
+            || self.backing.as_ref().is_some_and(reflects)
+    }
+
     /// Tracers of the f* of [`Self::different_yarns`].
     pub(super) fn direct_tracers(&self, effort: Effort) -> Result<Vec<DirectTracer<'_>>, YarnError> {
         self.different_yarns()

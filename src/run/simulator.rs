@@ -3,7 +3,6 @@ use super::memory::BATCHES_UNDER_WAY;
 use super::{Plan, RunError, Stage, check_memory};
 use crate::cloth::light::{ClothLedger, Integrator, LitBatch, Volumetric};
 use crate::rig::{BeamsOfRig, Geometry};
-use crate::spectrum::Samples;
 use crate::study::{MethodChoice, ShadeWith};
 use crate::transport::Ledger;
 use crate::yarn::{DirectTracer, EnergyTracer, PatchTracer, Yarn, YarnResponse};
@@ -64,8 +63,7 @@ impl<'a> Simulator<'a> {
         let of_batch = |particles: u64| particles.div_ceil(batches) as usize;
         let most = plan.study.cloth.bounces.most();
         let shines = plan.study.specular.surface.is_of_yarns();
-        let reflects = |backing: &Samples| backing.values().iter().any(|r| *r > 0.0);
-        let goes_on = most > 0 || shines || plan.backing.as_ref().is_some_and(reflects);
+        let goes_on = plan.light_goes_on();
         let mut integrators: Vec<Box<dyn Integrator + 'a>> = Vec::new();
         let mut tracers = Vec::new();
         match plan.study.cloth.method {
@@ -120,6 +118,20 @@ impl<'a> Simulator<'a> {
     /// None for a study that a plan was made of.
     pub fn batch(&self, batch: usize) -> Result<Batch, RunError> {
         let ledgers = self.energy.batch(batch).ledgers;
+        let (diffuse, cloth) = self.light(batch)?;
+        Ok(Batch {
+            ledgers,
+            diffuse,
+            cloth,
+        })
+    }
+
+    /// [`Simulator::batch`] without the energy ledger of the yarn: diffuse β at `[geometry][wavelength]`, and where the
+    /// light went in the cloth.
+    ///
+    /// # Errors
+    /// None for a study that a plan was made of.
+    pub fn light(&self, batch: usize) -> Result<(Vec<Vec<f64>>, Vec<ClothLedger>), RunError> {
         let response = |tracer: &ResponseTracer| match tracer {
             ResponseTracer::Direct(tracer) => tracer.batch(batch).response,
             ResponseTracer::Bssrdf(tracer) => tracer.batch(batch).response,
@@ -129,10 +141,7 @@ impl<'a> Simulator<'a> {
         for integrator in &self.integrators {
             parts.extend(integrator.brightness(&responses, self.beams.lit(), batch)?);
         }
-        Ok(Batch {
-            ledgers,
-            diffuse: self.beams.sum(&parts, self.plan.grid.len()),
-            cloth: parts.into_iter().flat_map(|part| part.ledger).collect(),
-        })
+        let diffuse = self.beams.sum(&parts, self.plan.grid.len());
+        Ok((diffuse, parts.into_iter().flat_map(|part| part.ledger).collect()))
     }
 }

@@ -1,10 +1,11 @@
 //! The study's sweep: colour ratios of other media, each traced anew.
 
+use super::shared_rays::SharedRays;
 use super::{Plan, Progress, RunError, SpectralCurves};
 use crate::compare::ColourRatios;
-use crate::rig::{CameraBatch, Geometry};
+use crate::rig::Geometry;
 use crate::study::{MediumSection, NumberOrTable};
-use crate::yarn::{DirectTracer, Effort, YarnResponse};
+use crate::yarn::{DirectTracer, Effort};
 
 /// Least effort of a point of the sweep: batches, and the share of the study's paths.
 const BATCHES: usize = 4;
@@ -36,10 +37,7 @@ impl Sweep {
             _ => paths,
         };
         let effort = Effort::new(plan.study.seed, batches, paths.max(1))?;
-        let (camera, beams) = (plan.direct(), plan.beams(&[Geometry::NORMAL]));
-        let seen: Vec<CameraBatch> = (0..effort.batches)
-            .map(|batch| camera.look(beams.lit(), batch))
-            .collect();
+        let rays = SharedRays::new(plan, &[Geometry::NORMAL], effort.batches);
         let share = 1.0 / media.len().max(1) as f64;
         let ratios = media.iter().map(|medium| -> Result<_, RunError> {
             let warp = plan.yarn_of(medium)?;
@@ -47,12 +45,7 @@ impl Sweep {
                 .chain(&plan.weft)
                 .map(|yarn| DirectTracer::new(yarn, plan.factor_grid, effort, None))
                 .collect::<Result<Vec<_>, _>>()?;
-            let diffuse = std::iter::zip(0.., &seen)
-                .map(|(batch, seen)| {
-                    let responses: Vec<YarnResponse> = tracers.iter().map(|t| t.batch(batch).response).collect();
-                    seen.shade(&responses).concat()
-                })
-                .collect();
+            let diffuse = rays.shade(&tracers, plan.grid.len());
             let curves = SpectralCurves::new(plan, vec![Geometry::NORMAL], diffuse);
             progress(share);
             Ok(curves.diffuse_ratios(&plan.colour, 0)?)

@@ -17,6 +17,7 @@ mod parse;
 mod paths;
 mod sections;
 mod validate;
+mod vary;
 
 use crate::spectrum::Samples;
 

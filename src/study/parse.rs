@@ -234,7 +234,7 @@ fn unknown(source: &StudyText, section: &str, key: &str, offset: usize) -> Study
 }
 
 /// The likeliest word meant, if one is near: within a third of its letters.
-fn closest<'w>(typed: &str, words: impl Iterator<Item = &'w str>) -> Option<&'w str> {
+pub(super) fn closest<'w>(typed: &str, words: impl Iterator<Item = &'w str>) -> Option<&'w str> {
     let typed = typed.to_lowercase();
     words
         .map(|w| (strsim::damerau_levenshtein(&typed, &w.to_lowercase()), w))

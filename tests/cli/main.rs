@@ -25,4 +25,5 @@ mod report_chain;
 mod resume;
 mod run_limits;
 mod shards;
+mod sweep;
 mod woven;

@@ -12,6 +12,7 @@ mod cloth_rays;
 mod cloth_sections;
 mod cloth_tubes;
 mod coverage;
+mod designs;
 mod estimators;
 mod fibre_gloss;
 mod fit_readings;

@@ -2,10 +2,13 @@
 
 mod canvas;
 mod look;
+mod parameter;
 mod picture;
 mod view_angle;
 
 pub use canvas::chart_font;
+pub(crate) use parameter::name as sweep_name;
+pub use parameter::sweep_charts;
 pub use picture::Outline;
 pub(crate) use picture::file_names;
 pub use view_angle::{Graph, graphs};
