@@ -33,10 +33,20 @@ fn too_large(found: String) -> io::Error {
 /// As [`read_file`].
 pub fn read_all(input: impl Read, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    input.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    read_rest(input, most, &mut bytes)?;
+    Ok(bytes)
+}
+
+/// As [`read_all`], behind bytes that were read before and count towards `most`.
+///
+/// # Errors
+/// As [`read_file`].
+pub fn read_rest(input: impl Read, most: u64, bytes: &mut Vec<u8>) -> io::Result<()> {
+    let rest = most.saturating_sub(bytes.len() as u64);
+    input.take(rest.saturating_add(1)).read_to_end(bytes)?;
     match bytes.len() as u64 > most {
         true => Err(too_large(format!("more than {most} bytes, as many as it may have"))),
-        false => Ok(bytes),
+        false => Ok(()),
     }
 }
 

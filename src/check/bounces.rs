@@ -41,13 +41,14 @@ const AXES: [usize; 3] = [24, 6, 12];
 /// Paths of a tilt.
 const PATHS: u64 = 2048;
 /// Absorption, 1/mm: white yarns, so that all light goes far. With none at all, what a table's noise leaves over of the
-/// light would be counted as won or lost by chance, and not as absorbed.
+/// light would be counted as gained or lost by chance, and not as absorbed.
 const MU_A: f64 = 1e-9;
-/// Of the medium at the middle of the study's wavelengths, with absorption of its own: μ_a times the radius. Where
-/// light leaves is drawn for all wavelengths together, and one that is unlike the others would be worth much by chance.
+/// Absorption of the tested media, μ_a times the radius; scattering is that of the study at its middle wavelength.
+/// Exits are sampled for all wavelengths together, so a wavelength unlike the others would get rare paths of large
+/// weight.
 const ABSORBING: [f64; 2] = [0.0, 0.02];
-/// Of μ_s times the diameter: more of the light that views are not shown would go straight on with less, and light go
-/// round for ever with more.
+/// Range of μ_s times the diameter. With less, more light would pass unscattered, which views do not see; with more,
+/// paths would hardly end.
 const DEPTHS: [f64; 2] = [4.0, 30.0];
 /// Pieces of yarn and squares of the backing in which light forgets where it came in.
 const PIECE_RADII: f64 = 0.125;

@@ -83,7 +83,7 @@ const TOLERANCE: f64 = 0.03;
 const HEIGHTS: usize = 1000;
 const SINES: usize = 40;
 
-/// The yarn in a host of index 1, with particles that light meets and goes on from.
+/// The yarn in a host of index 1, with particles that scatter straight ahead.
 pub fn straight(context: &Context) -> Result<Gate, CheckError> {
     let Context { plan, judge, .. } = context;
     let ahead = PhaseTable::from_density(NODES, |cos| if cos == 1.0 { 1.0 } else { 0.0 })?;

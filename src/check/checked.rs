@@ -40,7 +40,7 @@ impl CheckEffort {
         Ok(Self { paths })
     }
 
-    /// Of tolerances: --quick asks for less, and says so, instead of not telling.
+    /// Factor on the tolerances: `--quick` has too few paths for the usual ones, so it tests wider ones and states them.
     pub(super) fn widening(self) -> f64 {
         if self == Self::quick() { 8f64.sqrt() } else { 1.0 }
     }

@@ -9,8 +9,8 @@ use std::cmp::Ordering;
 const ROUNDING_OF_MEANS: f64 = 1e-12;
 
 /// Fraction of the tolerance below which no departure breaks a law in the mean, however small its standard error. Where
-/// what departs is rare, as scattering in a nearly empty yarn, the batches that happen to miss it have next to no
-/// spread, and Student's t does not hold.
+/// departures come from rare events, such as scattering in a nearly empty yarn, batches without any have almost no
+/// spread, and Student's t does not apply.
 const NEGLIGIBLE: f64 = 1e-2;
 
 /// The two ways to judge.
@@ -207,7 +207,7 @@ mod tests {
     }
 
     /// A departure below the precision of the arithmetic or a hundredth of the tolerance is no breach, though every
-    /// batch has it; one above either is. A tolerance below the precision cannot be told.
+    /// batch has it; one above either is. A tolerance below the precision leaves the law undecided.
     #[test]
     fn the_judge_knows_its_precision() {
         let verdict = |departure: f64, precision, tolerance| {

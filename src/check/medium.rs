@@ -115,7 +115,7 @@ pub fn few_wavelengths(yarn: &Yarn, of: impl Fn(usize, [f64; 2]) -> [f64; 2]) ->
     Ok(Yarn { medium, ..yarn.clone() })
 }
 
-/// So thin that next to nothing scatters twice: 2 μ_s R.
+/// Optical thickness 2 μ_s R of a yarn in which double scattering is negligible.
 const THIN: f64 = 1e-6;
 
 /// Phase functions as unlike as can be, forward, even all around and backward, and what μ_s is times: whose turn it is

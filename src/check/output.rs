@@ -59,7 +59,7 @@ pub fn table(checked: &Checked) -> String {
     text
 }
 
-/// One test a gate: a broken law is a failure, one that cannot be told an error.
+/// One test per gate: a broken law is a failure, an undecided one an error.
 pub fn junit(checked: &Checked) -> Result<Vec<u8>, CheckError> {
     let count = |verdict| {
         let gates = checked.gates.iter().filter(|gate| gate.verdict == verdict);
@@ -113,7 +113,7 @@ fn case(writer: &mut Writer<Vec<u8>>, gate: &Gate) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Workflow commands of GitHub Actions: an error for every broken law, a warning for every one that cannot be told.
+/// Workflow commands of GitHub Actions: an error for every broken law, a warning for every undecided one.
 pub fn annotations(checked: &Checked) -> String {
     let mut text = String::new();
     for gate in &checked.gates {

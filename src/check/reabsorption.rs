@@ -17,12 +17,13 @@ const LAW: Law = Law {
 
 /// Absorption added and taken away again, times the mean length of scattered light.
 const CHANGE: f64 = 0.1;
-/// Of the light that is scattered: with the same paths and no roulette nothing but the width of the bins is left.
+/// Relative to the scattered light. Both sides have the same paths and no roulette, so only the width of the bins
+/// remains.
 const TOLERANCE: f64 = 5e-3;
-/// Of the incident flux: less scattered light than this has no lengths to speak of.
+/// Fraction of the incident flux below which scattered light is too little for a mean path length.
 const LEAST: f64 = 1e-9;
-/// So few paths of a batch all fly side by side from its beginning, each with random numbers of its own, whatever
-/// becomes of the others.
+/// At most one path a vector lane: all paths of a batch then start together, and the random numbers of each do not
+/// depend on the others.
 const PATHS_OF_A_BATCH: u64 = 8;
 const BATCHES: usize = 64;
 

@@ -21,8 +21,8 @@ const SHADOWS: Law = Law {
     words: "a yarn is shadowed by the others alone: from below at a crossing, and not between crossings",
 };
 
-/// Drawdowns, a row a weft: X where the warp is on top. Neither is its mirror image or has its faces alike, and the
-/// second has unlike numbers of yarns.
+/// Drawdowns, one row per weft: X where the warp is on top. Neither equals its mirror image or its back, and the second
+/// has different numbers of warps and wefts.
 const TWILL: &[&str] = &[".XX", "X.X", "XX."];
 const UNEVEN: &[&str] = &[".XX", "XX.", "X.X", "..X"];
 

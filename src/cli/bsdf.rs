@@ -1,21 +1,21 @@
-use super::convert::{ConvertError, OutputFormat, by_extension, target_of, targets};
-use super::inspect::scatter_of;
-use super::measure::Method;
+mod arguments;
+
+use self::arguments::check_size;
+use super::convert::OutputFormat;
+use super::method::Method;
 use super::notice::worded;
-use super::{Failure, Options, Replace, Terminal, claim, in_words, inputs_of, study};
+use super::{Failure, Options, Terminal, claim, in_words, inputs_of, study};
 use serde::Serialize;
 use specval::artefact::Identity;
-use specval::cloth::light::HemisphereNodes;
-use specval::formats::{
-    self, ChannelSet, Encoding, FileProvenance, Format, Goniometric, Holds, KlemsBasis, Scatter, Side, WriteOptions,
-    registry,
-};
+use specval::formats::{self, Encoding, FileProvenance, Format, Goniometric, Side, WriteOptions};
 use specval::output::{Destination, beside, write_all};
 use specval::report::InputDigest;
 use specval::rig::bsdf::{Cells, Colours, FullBsdf, FullMeasurement, HemisphericalRow, Symmetry, symmetries};
 use specval::run::{FactorCloth, Plan, Stage, check_memory, volumetric_cloth};
 use specval::study::{MethodChoice, Study};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+
+pub use self::arguments::Arguments;
 
 /// Particles of one incidence.
 const PATHS: u64 = 200_000;
@@ -30,85 +30,6 @@ fn method_words(method: MethodChoice) -> &'static str {
         MethodChoice::Volumetric => "volumetric, with the reflection of the yarns' surface",
         MethodChoice::RadianceFactor => "f* from yarn to yarn, with the reflection of the yarns' surface",
     }
-}
-
-/// Measures the full BSDF of the woven model, reflection and transmission over both hemispheres, for lighting
-/// simulation.
-///
-/// Beside a file it writes FILE.hemispherical.csv. --paths are particles of each incidence.
-#[derive(Debug, clap::Args)]
-pub struct Arguments {
-    /// Study file; without it the built-in study.
-    #[arg(value_name = "STUDY")]
-    study: Option<PathBuf>,
-    /// File of any format that is written.
-    #[arg(long, value_name = "FILE")]
-    out: PathBuf,
-    /// How light in the cloth is simulated; volumetric unless said here, whatever the study's `[cloth] method` of
-    /// curves.
-    #[arg(long, value_enum, value_name = "METHOD")]
-    method: Option<Method>,
-    #[command(flatten)]
-    replace: Replace,
-    #[arg(
-        long, value_name = "FORMAT", value_parser = target_of,
-        help = format!("Format to write: {}; without it the extension of --out says", targets())
-    )]
-    to: Option<OutputFormat>,
-    /// What to write in a format that holds one of the two: reflection or transmission.
-    #[arg(long, value_name = "KIND", value_parser = scatter_of)]
-    scatter: Option<Scatter>,
-    /// Linear sRGB under D65 in place of spectra.
-    #[arg(long)]
-    rgb: bool,
-    /// Polar step of incident and outgoing directions, degrees; a right angle has 2 to 90 of them.
-    #[arg(long, value_name = "DEG", value_parser = step, allow_negative_numbers = true, default_value = "10")]
-    theta_step: Step,
-    /// Step of azimuths, degrees; a right angle has 1 to 90 of them.
-    #[arg(long, value_name = "DEG", value_parser = step, allow_negative_numbers = true, default_value = "15")]
-    phi_step: Step,
-    /// Trace every incidence, also those that the weave's symmetry gives.
-    #[arg(long)]
-    no_fold: bool,
-    /// CSV file for the standard errors of the spectra, in the layout of the values.
-    #[arg(long, value_name = "FILE")]
-    errors: Option<PathBuf>,
-}
-
-/// A right angle in so many steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Step(usize);
-
-fn step(text: &str) -> Result<Step, String> {
-    let expected = || "expected a step in degrees that divides 90, from 1 to 90".to_owned();
-    let degrees: f64 = text.parse().map_err(|_| expected())?;
-    let steps = 90.0 / degrees;
-    if !(1.0..=90.0).contains(&steps) || (steps - steps.round()).abs() > 1e-9 {
-        return Err(expected());
-    }
-    Ok(Step(steps.round() as usize))
-}
-
-#[derive(Debug, thiserror::Error)]
-enum FullError {
-    #[error("--theta-step: expected at most 45 degrees, found 90")]
-    ThetaStep,
-    #[error("{format} holds {holds}; leave {option} out, or take another format")]
-    Option {
-        format: Format,
-        holds: &'static str,
-        option: &'static str,
-    },
-    #[error(
-        "the {format} file would have about {expected_mib} MiB, and specval reads at most {most_mib} MiB of that \
-         format; take larger steps{smaller}"
-    )]
-    TooLarge {
-        format: Format,
-        expected_mib: u64,
-        most_mib: u64,
-        smaller: &'static str,
-    },
 }
 
 #[derive(Serialize)]
@@ -164,11 +85,7 @@ fn claim_files(arguments: &Arguments, inputs: &[PathBuf], options: &Options) -> 
 }
 
 pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
-    let mut study = study::load(full.study.as_deref(), options)?;
-    if let Some(method) = full.method {
-        study.cloth.method = method.choice();
-        study.origin.give("cloth.method", "--method");
-    }
+    let study = Method::study(full.method, full.study.as_deref(), options)?;
     let method = full.method.unwrap_or(Method::Volumetric).choice();
     let inputs = inputs_of(full.study.as_deref(), &study);
     let (files, terminal) = &claim_files(full, &inputs, options)?;
@@ -240,7 +157,7 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
         batches,
         particles,
     };
-    let provenance = full.provenance(plan, method, &bsdf, &effort)?;
+    let provenance = provenance(plan, method, &bsdf, &effort)?;
     let mut colour_notices = Vec::new();
     let mut data = Goniometric {
         format,
@@ -328,26 +245,6 @@ pub fn run(full: &Arguments, options: &Options) -> Result<(), Failure> {
     })
 }
 
-/// Refuses a file that nothing would read, before it is traced for; `smaller` says what else than larger steps helps.
-fn check_size(
-    cells: &Cells,
-    format: Format,
-    encoding: Encoding,
-    channels: &ChannelSet,
-    smaller: &'static str,
-) -> Result<(), FullError> {
-    let most_bytes = registry::descriptor(format).most_bytes();
-    match cells.expected_bytes(format, encoding, channels) {
-        Some(expected) if expected > most_bytes => Err(FullError::TooLarge {
-            format,
-            expected_mib: expected >> 20,
-            most_mib: most_bytes >> 20,
-            smaller,
-        }),
-        _ => Ok(()),
-    }
-}
-
 fn percent(share: Option<f64>) -> String {
     share.map_or("unknown".into(), |share| format!("{:.2} %", 100.0 * share))
 }
@@ -367,103 +264,61 @@ struct BsdfEffort {
     particles: usize,
 }
 
-impl Arguments {
-    /// What to write; refuses what would fail after the tracing.
-    fn target(&self, out: &Path) -> Result<(OutputFormat, Option<Scatter>), Failure> {
-        let (by_name, scatter) = by_extension(out);
-        let target = self
-            .to
-            .or(by_name.map(OutputFormat::from))
-            .ok_or_else(|| ConvertError::Extension { path: out.to_owned() })?;
-        let format = target.format;
-        let scatter = self.scatter.or(scatter);
-        let refuse = |holds, option| Err(FullError::Option { format, holds, option }.into());
-        match registry::writer(format)?.holds {
-            Holds::Reflection if scatter == Some(Scatter::Transmission) => refuse("reflection alone", "--scatter"),
-            Holds::Fractions if scatter == Some(Scatter::Reflection) => {
-                refuse("what goes straight through the gaps, a transmission", "--scatter")
+/// What the file says of its making.
+fn provenance(
+    plan: &Plan,
+    method: MethodChoice,
+    bsdf: &FullBsdf,
+    effort: &BsdfEffort,
+) -> Result<FileProvenance, Failure> {
+    let identity = Identity::new(
+        plan.study.seed,
+        &Settings {
+            study: &plan.study,
+            inputs: &plan.inputs,
+        },
+    )?;
+    let digest = InputDigest::of("study", identity.value().to_string().as_bytes()).sha256;
+    let software = format!("specval {}", env!("CARGO_PKG_VERSION"));
+    let sides = if bsdf.sides().contains(&Side::Back) {
+        "both sides"
+    } else {
+        "the front"
+    };
+    let comments = [
+        format!("{software}, simulated woven cloth, {}", method_words(method)),
+        format!("study SHA-256 {digest}, seed {}", plan.study.seed),
+        format!(
+            "{} incidences from {sides}, {} of them traced, the rest by the symmetry of the weave; {} batches of \
+             {} particles each; median standard error of f {}",
+            effort.incidences,
+            bsdf.incidences().len(),
+            effort.batches,
+            effort.particles,
+            percent(bsdf.median_relative_error())
+        ),
+        format!(
+            "azimuths from the warp towards the weft, seen from the front; {}",
+            match bsdf.cells() {
+                Cells::Nodes(_) => "light straight through the gaps is no part of f",
+                Cells::Patches(_) => GAPS_IN_PATCHES,
             }
-            Holds::Kinds | Holds::Sides if self.scatter.is_some() => refuse("reflection and transmission", "--scatter"),
-            _ if self.rgb && format == Format::RADIANCE_XML => refuse("X, Y, Z", "--rgb"),
-            _ => Ok((target, scatter)),
-        }
-    }
-
-    fn cells(&self, format: Format) -> Result<Cells, Failure> {
-        if format == Format::RADIANCE_XML
-            && let Some(basis) = KlemsBasis::named("LBNL/Klems Full")
-        {
-            return Ok(Cells::Patches(basis));
-        }
-        let nodes = HemisphereNodes::new(self.theta_step.0, 4 * self.phi_step.0).ok_or(FullError::ThetaStep)?;
-        Ok(Cells::Nodes(nodes))
-    }
-
-    fn colours(&self, format: Format) -> Colours {
-        match format {
-            Format::RADIANCE_XML => Colours::Xyz,
-            Format::MERL => Colours::Rgb,
-            _ if self.rgb => Colours::Rgb,
-            _ => Colours::Spectral,
-        }
-    }
-
-    fn provenance(
-        &self,
-        plan: &Plan,
-        method: MethodChoice,
-        bsdf: &FullBsdf,
-        effort: &BsdfEffort,
-    ) -> Result<FileProvenance, Failure> {
-        let identity = Identity::new(
-            plan.study.seed,
-            &Settings {
-                study: &plan.study,
-                inputs: &plan.inputs,
-            },
-        )?;
-        let digest = InputDigest::of("study", identity.value().to_string().as_bytes()).sha256;
-        let software = format!("specval {}", env!("CARGO_PKG_VERSION"));
-        let sides = if bsdf.sides().contains(&Side::Back) {
-            "both sides"
-        } else {
-            "the front"
-        };
-        let comments = [
-            format!("{software}, simulated woven cloth, {}", method_words(method)),
-            format!("study SHA-256 {digest}, seed {}", plan.study.seed),
-            format!(
-                "{} incidences from {sides}, {} of them traced, the rest by the symmetry of the weave; {} batches of \
-                 {} particles each; median standard error of f {}",
-                effort.incidences,
-                bsdf.incidences().len(),
-                effort.batches,
-                effort.particles,
-                percent(bsdf.median_relative_error())
-            ),
-            format!(
-                "azimuths from the warp towards the weft, seen from the front; {}",
-                match bsdf.cells() {
-                    Cells::Nodes(_) => "light straight through the gaps is no part of f",
-                    Cells::Patches(_) => GAPS_IN_PATCHES,
-                }
-            ),
-        ];
-        let statement = |name: &str, value: String| (name.to_owned(), value);
-        Ok(FileProvenance {
-            source: Some("Generated".into()),
-            statements: vec![
-                statement("name", format!("{software} cloth {}", &digest[..12.min(digest.len())])),
-                statement("description", comments.join("; ")),
-                statement("SOFTWARE", software.clone()),
-                statement("SOURCE", "Generated".into()),
-                statement("METHOD", method_words(method).into()),
-                statement("STUDY_SHA256", digest.clone()),
-                statement("SEED", plan.study.seed.to_string()),
-                statement("BATCHES", effort.batches.to_string()),
-                statement("PARTICLES", (effort.batches * effort.particles).to_string()),
-            ],
-            comments: comments.to_vec(),
-        })
-    }
+        ),
+    ];
+    let statement = |name: &str, value: String| (name.to_owned(), value);
+    Ok(FileProvenance {
+        source: Some("Generated".into()),
+        statements: vec![
+            statement("name", format!("{software} cloth {}", &digest[..12.min(digest.len())])),
+            statement("description", comments.join("; ")),
+            statement("SOFTWARE", software.clone()),
+            statement("SOURCE", "Generated".into()),
+            statement("METHOD", method_words(method).into()),
+            statement("STUDY_SHA256", digest.clone()),
+            statement("SEED", plan.study.seed.to_string()),
+            statement("BATCHES", effort.batches.to_string()),
+            statement("PARTICLES", (effort.batches * effort.particles).to_string()),
+        ],
+        comments: comments.to_vec(),
+    })
 }

@@ -1,3 +1,4 @@
+use super::method::Method;
 use super::{Failure, Options, Replace, Scratch, Stopping, claim, in_words, inputs_of, study};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
@@ -5,7 +6,6 @@ use specval::cloth::light::{ClothFraction, ClothLedger};
 use specval::output::{self, Destination, beside, write_all};
 use specval::report::{GrazingGain, effort_line};
 use specval::run::{RunError, Simulator, Stage, StateFile, Watch, check_memory, grazing_gains, grazing_notice};
-use specval::study::MethodChoice;
 use specval::transport::{Estimate, FractionList};
 use std::path::PathBuf;
 
@@ -27,23 +27,6 @@ pub struct Arguments {
     replace: Replace,
     #[command(flatten)]
     stopping: Stopping,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Method {
-    /// Yarns scatter by their f*; `[cloth] bounces` says how often light goes on.
-    RadianceFactor,
-    /// Traced through the medium of every yarn that light meets.
-    Volumetric,
-}
-
-impl Method {
-    pub fn choice(self) -> MethodChoice {
-        match self {
-            Self::RadianceFactor => MethodChoice::RadianceFactor,
-            Self::Volumetric => MethodChoice::Volumetric,
-        }
-    }
 }
 
 /// Where the light of one incidence and wavelength went: every fraction, then the residual.
@@ -89,11 +72,7 @@ struct Measured {
 }
 
 pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
-    let mut study = study::load(arguments.study.as_deref(), options)?;
-    if let Some(method) = arguments.method {
-        study.cloth.method = method.choice();
-        study.origin.give("cloth.method", "--method");
-    }
+    let study = Method::study(arguments.method, arguments.study.as_deref(), options)?;
     let inputs = inputs_of(arguments.study.as_deref(), &study);
     let out = arguments.out.as_path();
     let is_file = Destination::find(out)?.is_file();

@@ -15,6 +15,7 @@ pub mod inspect;
 pub mod measure;
 pub mod medium;
 pub mod merge;
+mod method;
 pub mod mie;
 mod notice;
 mod numbers;

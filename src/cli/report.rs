@@ -4,8 +4,8 @@ use super::{Failure, Options, Replace, Stopping, Terminal, help, in_words, input
 use specval::formats::Scatter;
 use specval::output::{EarlierFiles, ReportFolder};
 use specval::report::{
-    Notice, Outline, ReportData, file_names, known_names, read_result, render, report_json, result_json, result_path,
-    summary,
+    FinishedResult, Notice, Outline, ReportData, file_names, known_names, read_result, render, report_json,
+    result_path, summary,
 };
 use specval::run::{self, FileKind, Request, Simulator, Stage, StateFile, Sweep, Watch};
 use specval::sample::Sample;
@@ -145,7 +145,7 @@ fn again(result: &Path, arguments: &Arguments, options: &Options, terminal: &Ter
             return Err(Finished { option }.into());
         }
     }
-    let data = read_result(result).map_err(|error| {
+    let FinishedResult { data, is_unchanged } = read_result(result).map_err(|error| {
         // A result that is damaged may look like any document.
         study::or_other_kind(
             error,
@@ -162,9 +162,10 @@ fn again(result: &Path, arguments: &Arguments, options: &Options, terminal: &Ter
         approximations: data.approximations.is_some(),
     });
     // A result may be drawn into its own folder, where it replaces itself; one that was changed since is the user's.
-    let file = result_path(result);
-    let unchanged = std::fs::read(&file).is_ok_and(|bytes| result_json(&data).is_ok_and(|own| own == bytes));
-    let inputs = if unchanged { Vec::new() } else { vec![file] };
+    let inputs = match is_unchanged {
+        true => Vec::new(),
+        false => vec![result_path(result)],
+    };
     let folder = ReportFolder::prepare(&arguments.out, &names, &inputs, arguments.replace.force)?;
     write(&data, &folder, terminal)?;
     show(&data, &folder, options, terminal)
@@ -205,7 +206,7 @@ fn incidences(theta_i_deg: impl Iterator<Item = f64>) -> usize {
     incidences.len()
 }
 
-/// A twentieth of the paths, but for a number that was asked for, and a ninth of the camera rays.
+/// A twentieth of the paths, unless the user gave their number, and a ninth of the camera rays.
 pub fn quicken(study: &mut Study, fewer_paths: bool) {
     let batches = u64::from(study.trace.batches);
     let trace = &mut study.trace;

@@ -119,7 +119,7 @@ impl Terminal {
         ProgressLine(bar.with_message(what))
     }
 
-    /// A sign on stderr that work goes on of which no share is known, where [`Self::progress`] has its bar.
+    /// A spinner on stderr for work of unknown length, where [`Self::progress`] has its bar.
     pub fn busy(&self, what: &'static str) -> ProgressLine {
         if self.quiet || !io::stderr().is_terminal() {
             return ProgressLine(ProgressBar::hidden());

@@ -16,7 +16,7 @@ pub(super) const USUAL_SIZES: RangeInclusive<u64> = 1..=256 * MIB;
 /// A file format: how to tell, read and write it.
 pub struct Descriptor {
     pub format: Format,
-    /// What users call its files, for the list of what is read.
+    /// Name of its files for users, in the list of formats.
     pub words: &'static str,
     /// Extensions of its files, with what they say of the content.
     pub extensions: &'static [(&'static str, Option<Scatter>)],
@@ -26,12 +26,12 @@ pub struct Descriptor {
     pub convention: Option<&'static str>,
     pub(super) detect: fn(&Beginning) -> Option<Mark>,
     pub(super) read: FormatReader,
-    /// `None` of formats that are read alone.
+    /// `None` for formats that can only be read.
     pub write: Option<FormatWriter>,
 }
 
 impl Descriptor {
-    /// Bytes of the largest file that is read.
+    /// Size of the largest file that is read, bytes.
     pub fn most_bytes(&self) -> u64 {
         *self.sizes.end()
     }
@@ -44,7 +44,7 @@ impl Descriptor {
 
 pub(super) enum FormatReader {
     Goniometric(fn(&Input) -> Result<Goniometric, FormatError>),
-    /// A file that is told here and read elsewhere: what it is, and what to do with it.
+    /// A file that is recognised here and read by another module: what it is, and how to use it.
     Elsewhere {
         found: &'static str,
         remedy: &'static str,

@@ -1,14 +1,14 @@
 //! Files in, refused by size before they are read.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use super::descriptor::Descriptor;
 use super::error::FormatError;
 use super::registry::detect;
-
 use crate::goniometric::Format;
+use crate::input::read_rest;
 
 /// Bytes of a file's beginning by which its format is known.
 pub(super) const HEAD: usize = 64 << 10;
@@ -17,9 +17,9 @@ pub(super) const HEAD: usize = 64 << 10;
 pub(super) struct Opened {
     pub(super) known: &'static Descriptor,
     file: File,
-    /// Its first bytes, which are read.
+    /// Its first bytes, already read from `file`.
     head: Vec<u8>,
-    /// Bytes of all of it, which its format can have.
+    /// Size of the whole file, bytes; within the sizes of its format.
     size: u64,
 }
 
@@ -63,18 +63,31 @@ pub(super) fn open(path: &Path) -> Result<Opened, FormatError> {
 
 /// The bytes of a file of at most so many as its format can have, and that format.
 pub(super) fn read(path: &Path) -> Result<(&'static Descriptor, Vec<u8>), FormatError> {
-    let Opened {
-        known,
-        file,
-        head: mut bytes,
-        size,
-    } = open(path)?;
-    // Not more than promised, should the file grow meanwhile.
-    let rest = size.saturating_sub(bytes.len() as u64);
-    bytes.reserve_exact(rest as usize);
-    let name = path.display().to_string();
-    file.take(rest).read_to_end(&mut bytes).map_err(failed(&name))?;
-    Ok((known, bytes))
+    let opened = open(path)?;
+    Ok((opened.known, opened.into_bytes(&path.display().to_string())?))
+}
+
+impl Opened {
+    /// All bytes of the file, which must not grow meanwhile: what was measured against the format's sizes is what is
+    /// read.
+    fn into_bytes(self, name: &str) -> Result<Vec<u8>, FormatError> {
+        let Self {
+            file,
+            head: mut bytes,
+            size,
+            ..
+        } = self;
+        bytes.reserve_exact(size.saturating_sub(bytes.len() as u64) as usize);
+        read_rest(file, size, &mut bytes).map_err(|error| match error.kind() {
+            ErrorKind::FileTooLarge => {
+                let expected = format!("{size} bytes, the size of the file when it was opened");
+                let remedy = "wait until the program that writes the file is done";
+                FormatError::file(name, expected, "more", remedy)
+            }
+            _ => failed(name)(error),
+        })?;
+        Ok(bytes)
+    }
 }
 
 /// As [`read`], with the name of the format alone.
@@ -86,5 +99,33 @@ fn failed(name: &str) -> impl Fn(std::io::Error) -> FormatError + '_ {
     move |e| {
         let remedy = "check the name and the right to read it";
         FormatError::file(name, "a file that can be read", e.to_string(), remedy)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::registry::descriptor;
+    use std::io::Seek;
+
+    #[test]
+    fn file_that_grows_while_it_is_read_is_refused() {
+        let opened = |content: &[u8]| {
+            let mut file = tempfile::tempfile().unwrap();
+            std::io::Write::write_all(&mut file, content).unwrap();
+            file.seek(std::io::SeekFrom::Start(2)).unwrap();
+            Opened {
+                known: descriptor(Format::MERL),
+                file,
+                head: b"ab".to_vec(),
+                size: 4,
+            }
+        };
+        assert_eq!(opened(b"abcd").into_bytes("file").unwrap(), b"abcd");
+        let error = opened(b"abcde").into_bytes("file").unwrap_err().to_string();
+        assert!(
+            error.contains("expected 4 bytes") && error.contains("found more"),
+            "{error}"
+        );
     }
 }

@@ -62,9 +62,9 @@ pub fn write(data: &Goniometric, format: Format, options: &WriteOptions) -> Resu
     })
 }
 
-/// The components that are written, at least one: those that were asked for and that the format holds. Of formats that
-/// hold one it is, where nothing was asked for, the reflection before the transmission. What comes from the back is
-/// written into formats that do not state the side only where it was asked for.
+/// The components to write, at least one: those that the options choose and the format holds. A format that holds one
+/// gets the reflection before the transmission unless the options choose. Light from the back is written into a format
+/// that does not state the side only if the options choose it.
 fn chosen<'a>(
     data: &'a Goniometric,
     format: Format,

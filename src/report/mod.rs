@@ -30,7 +30,7 @@ pub use result::{
     AskedEffort, ConventionRatios, EffortNote, InputDigest, PathsPerBatch, Provenance, ReachedPrecision, ReadingCount,
     ReportData, SampleNote,
 };
-pub use result_file::{RESULT, read_result, result_json, result_path};
+pub use result_file::{FinishedResult, RESULT, read_result, result_json, result_path};
 pub use summary::{effort_line, summary};
 pub use sweep_table::{SweepPoint, SweepTable, SweptValue};
 pub use tables::{approximations_csv, curves_csv, energy_csv, locality_csv, table1_csv, table1_markdown};

@@ -52,11 +52,19 @@ pub fn result_path(path: &Path) -> PathBuf {
     }
 }
 
+/// A result read back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinishedResult {
+    pub data: ReportData,
+    /// Whether the file is, to the byte, the one that this program writes of the result.
+    pub is_unchanged: bool,
+}
+
 /// Reads a file of [`result_json`], or the one in a report's folder.
 ///
 /// # Errors
 /// A file that cannot be read, is larger than 128 MiB, is no result, or is of another version.
-pub fn read_result(path: &Path) -> Result<ReportData, ReportError> {
+pub fn read_result(path: &Path) -> Result<FinishedResult, ReportError> {
     let path = result_path(path);
     let refused = |found: String, remedy: &'static str| ReportError::NoResult {
         path: path.clone(),
@@ -78,7 +86,10 @@ pub fn read_result(path: &Path) -> Result<ReportData, ReportError> {
         ));
     }
     let Body { result } = serde_json::from_slice(&bytes).map_err(|error| refused(error.to_string(), REMEDY))?;
-    Ok(result)
+    Ok(FinishedResult {
+        is_unchanged: result_json(&result).is_ok_and(|own| own == bytes),
+        data: result,
+    })
 }
 
 const REMEDY: &str = "name the result.json of a report, or its folder";

@@ -7,8 +7,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// What a file of this field is, told by its content alone: for the message to a user who gave one where another is
-/// due.
+/// Kind of a file, recognised by its content alone, for the message to a user who gave one where another is expected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileKind {
     Study,
@@ -31,12 +30,12 @@ pub enum FileKind {
     Curves,
     /// `energy.csv` of a report or beside the curves of `measure`.
     Energy,
-    /// Of no use here, but often given.
+    /// Not read by this program, but often given.
     Foreign(Foreign),
     Folder,
 }
 
-/// Bytes of the largest text that is read whole to tell its kind.
+/// Bytes of the largest text that is read whole to recognise its kind.
 const MOST_TEXT: u64 = 16 << 20;
 
 /// What `result.json` begins with.

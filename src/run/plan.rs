@@ -30,17 +30,17 @@ pub struct Plan {
     pub factor_grid: YarnResponseGrid,
     pub direct_effort: Effort,
     pub cloth_spec: ClothSpec,
-    /// Reflectance of what lies under the cloth; `None` where light goes on.
+    /// Reflectance of what lies under the cloth; `None` where light passes into free space.
     pub backing: Option<Samples>,
     pub cloth: Cloth,
     pub specular: Specular,
-    /// Gloss of the yarns' fibres, where they are what shines.
+    /// Gloss of the yarns' fibres, for studies with `surface = "fibres"`.
     pub fibres: Option<FibreGloss>,
     pub rig: Rig,
     pub pixels: PixelSamples,
     pub colour: ColourSystem,
     pub sample: Sample,
-    /// Component of the sample that was asked for.
+    /// Component of the sample that the user chose.
     pub(super) chosen: Chosen,
     /// Digests of the tables and files that went in.
     pub inputs: Vec<InputDigest>,
@@ -129,7 +129,7 @@ impl Plan {
         )
     }
 
-    /// What becomes of light that the yarns reflect, if it goes on: a mirror sends it on but for a study of fibres.
+    /// What happens to light that the yarns' surface reflects: lost, or followed from a mirror or from fibres.
     pub(crate) fn surface(&self, goes_on: bool) -> YarnSurface {
         match self.fibres {
             _ if !goes_on => YarnSurface::Lost,
@@ -138,8 +138,8 @@ impl Plan {
         }
     }
 
-    /// What light meets. Whether what the yarns' surface reflects goes on, and whether the cloth lies on the study's
-    /// backing.
+    /// The scene of the cloth. The arguments say whether light that the yarns' surface reflects is followed, and whether
+    /// the cloth lies on the study's backing.
     pub fn scene(&self, surface_goes_on: bool, on_backing: bool) -> Scene<'_> {
         Scene {
             cloth: &self.cloth,

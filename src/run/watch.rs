@@ -7,9 +7,10 @@ use crate::transport::Estimate;
 
 /// Keeps, batch by batch, the quantities whose standard errors a stop rule watches.
 ///
-/// Monte Carlo errors alone: more batches lower no others. Where a report normalises the model, what is watched are the
-/// values it shows, whose errors hold that of the coefficient; the point that normalisation makes exact is watched as
-/// it was before. Where the wavelengths carry no colour, the mean over them stands for the luminance.
+/// Only Monte Carlo errors count, because more batches lower no others. If a report normalises the model, the
+/// normalised values are watched, whose errors include that of the coefficient; the point that normalisation makes
+/// exact is watched before normalisation. If the wavelengths carry no colour, the mean over them replaces the
+/// luminance.
 pub struct Watch<'a> {
     plan: &'a Plan,
     precision: Precision,
@@ -19,14 +20,14 @@ pub struct Watch<'a> {
     normal: Option<usize>,
     /// Place of the reading that the curves are normalised to, and its luminance.
     reference: Option<(usize, f64)>,
-    /// Whether diffuse light was seen at each geometry in any batch: gloss is known without.
+    /// Whether any batch has diffuse light at each geometry; gloss needs no tracing.
     hit: Vec<bool>,
     /// Of each batch: luminance at each geometry, or linear RGB of the diffuse light at the normal.
     batches: Vec<Vec<f64>>,
 }
 
 impl<'a> Watch<'a> {
-    /// Without a precision that was asked for, the relative one of the curves is told.
+    /// Without a given precision the relative one of the curves is reported.
     pub fn new(
         plan: &'a Plan,
         geometries: &[Geometry],

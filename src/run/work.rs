@@ -27,7 +27,7 @@ const SHARE_OF_TIME: f64 = 0.125;
 const LEAST_PATHS: u64 = 16;
 const MOST_BATCHES: u32 = 100_000;
 
-/// Particles met on a path from which on the user is told, and seconds of a run on one core.
+/// Scattering events per path, and seconds of a run on one core, above which the user gets a notice.
 const MANY_SCATTERINGS: f64 = 1000.0;
 const LONG: f64 = 60.0;
 /// Seconds of a run on one core beyond which it is not begun: a hundred years.

@@ -1,6 +1,8 @@
 //! The program as typed: results, exit codes and messages.
 
+use crate::runs::stderr;
 use serde_json::Value;
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 fn specval(arguments: &[&str]) -> Output {
@@ -8,10 +10,6 @@ fn specval(arguments: &[&str]) -> Output {
         .args(arguments)
         .output()
         .unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
 }
 
 /// The document of a run that succeeds and says nothing on stderr.
@@ -25,17 +23,9 @@ fn json(arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The message of a run that refuses its input: exit code 2, nothing on stdout, no panic.
+/// [`crate::runs::refusal`] of a run that needs no folder.
 fn refusal(arguments: &[&str]) -> String {
-    let output = specval(arguments);
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-    assert!(output.stdout.is_empty(), "{arguments:?}");
-    assert!(
-        message.starts_with("error: ") && !message.contains("panicked"),
-        "{message}"
-    );
-    message
+    crate::runs::refusal(Path::new("."), arguments)
 }
 
 #[test]

@@ -2,9 +2,8 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Output;
 
-use serde_json::Value;
+use crate::runs::{json, refusal, stderr};
 use specval::colour::Convention;
 use specval::sample::Sample;
 
@@ -14,23 +13,6 @@ fn golden(name: &str) -> String {
         .join(name)
         .display()
         .to_string()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-fn json(folder: &Path, arguments: &[&str]) -> Value {
-    let output = crate::command::specval(folder, &[arguments, &["--json"]].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn refusal(folder: &Path, arguments: &[&str]) -> String {
-    let output = crate::command::specval(folder, arguments);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
-    assert!(output.stdout.is_empty() && !stderr(&output).contains("panicked"));
-    stderr(&output)
 }
 
 #[test]

@@ -2,13 +2,13 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fs;
-use std::path::Path;
 
-use serde_json::Value;
 use specval::formats::{
     Encoding, Format, Goniometric, ReadOptions, Scatter, Side, WriteNotice, WriteOptions, direction, parse, write,
 };
 use specval::geometry::Vec3;
+
+use crate::runs::json;
 
 use crate::golden::{golden, load};
 
@@ -411,12 +411,6 @@ fn merl_says_what_reciprocity_costs() {
     let (a, b) = (direction(0.1, 0.0), direction(1.2, 2.0));
     assert!((f(&back, &a, &b) / f(&back, &b, &a) - 1.0).abs() < 1e-2);
     assert_eq!(told(&table(0.1, 0.1).notices), None);
-}
-
-fn json(folder: &Path, arguments: &[&str]) -> Value {
-    let output = crate::command::specval(folder, &[arguments, &["--json"]].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
 }
 
 #[test]

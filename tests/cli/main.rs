@@ -6,6 +6,8 @@ mod batch_statistics;
 mod command;
 #[path = "../support/golden.rs"]
 mod golden;
+#[path = "../support/runs.rs"]
+mod runs;
 
 mod bsdf;
 mod check_gates;

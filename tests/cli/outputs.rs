@@ -2,9 +2,9 @@
 //! all.
 
 use crate::command::specval;
+use crate::runs::{stderr, succeed};
 use std::fs;
 use std::path::Path;
-use std::process::Output;
 
 const STUDY: &str = "[spectrum]\nwavelengths_nm = [450, 550, 650]\n[trace]\nbatches = 2\npaths_direct = \
                      40\npaths_bssrdf = 4\nparticles = 40\ntilts = 3\n[rig]\npixels_per_side = 4\nview_step_deg = \
@@ -17,21 +17,11 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-fn message(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn succeed(folder: &Path, arguments: &[&str]) -> Output {
-    let output = specval(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", message(&output));
-    output
-}
-
 /// Exit code 2 and these words.
 fn refuse(folder: &Path, arguments: &[&str], words: &str) {
     let output = specval(folder, arguments);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", message(&output));
-    assert!(message(&output).contains(words), "{arguments:?}: {}", message(&output));
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
+    assert!(stderr(&output).contains(words), "{arguments:?}: {}", stderr(&output));
 }
 
 /// Names and bytes of all files of a folder.
@@ -186,7 +176,7 @@ fn a_dash_is_stdout_and_holds_one_document() {
     let output = succeed(here, &["measure", "s.toml", "--out", "-"]);
     assert!(output.stdout == fs::read(here.join("a.csv")).unwrap());
     assert!(
-        message(&output).contains("brightness factors"),
+        stderr(&output).contains("brightness factors"),
         "the summary goes to stderr"
     );
     refuse(here, &["measure", "s.toml", "--out", "-", "--json"], "one document");
@@ -237,7 +227,7 @@ fn a_report_takes_away_what_an_earlier_one_left_and_nothing_else() {
     fs::write(d.join("graph9.svg"), "mine").unwrap();
     fs::write(d.join("graph4.svg"), "edited").unwrap();
     let output = succeed(here, &["report", "one.toml", "--out", "d"]);
-    assert!(message(&output).contains("graph3.png"), "{}", message(&output));
+    assert!(stderr(&output).contains("graph3.png"), "{}", stderr(&output));
     let names: Vec<String> = files(&d).into_iter().map(|(name, _)| name).collect();
     let expected = [
         "curves.csv",
@@ -328,12 +318,12 @@ fn names_that_are_no_text_are_no_panic() {
             assert!(
                 matches!(output.status.code(), Some(0 | 2)),
                 "{arguments:?}: {}",
-                message(&output)
+                stderr(&output)
             );
             assert!(
-                !message(&output).contains("panicked"),
+                !stderr(&output).contains("panicked"),
                 "{arguments:?}: {}",
-                message(&output)
+                stderr(&output)
             );
         }
     }
@@ -401,7 +391,7 @@ fn a_file_of_another_kind_is_told_by_what_it_is() {
         ("check.json", &["result of a check", "list of 0"]),
     ] {
         let output = crate::command::specval(here, &["inspect", file]);
-        assert!(output.status.success(), "{file}: {}", message(&output));
+        assert!(output.status.success(), "{file}: {}", stderr(&output));
         let shown = String::from_utf8(output.stdout).unwrap();
         assert!(words.iter().all(|words| shown.contains(words)), "{file}: {shown}");
     }
@@ -495,7 +485,7 @@ fn devices_slashes_and_stdin() {
     let study = fs::File::open(here.join("s.toml")).unwrap();
     let mut piped = crate::command::command(here, &["measure", "-", "--out", "piped.csv"]);
     let output = piped.stdin(study).output().unwrap();
-    assert!(output.status.success(), "{}", message(&output));
+    assert!(output.status.success(), "{}", stderr(&output));
     succeed(here, &["measure", "s.toml", "--out", "named.csv"]);
     let [piped, named] = ["piped.csv", "named.csv"].map(|file| fs::read(here.join(file)).unwrap());
     assert!(!named.is_empty() && piped == named);
@@ -509,7 +499,7 @@ fn a_full_device_names_stdout() {
     let mut command = crate::command::command(folder.path(), &["medium", "s.toml"]);
     let output = command.stdout(full).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
-    let message = message(&output);
+    let message = stderr(&output);
     assert!(
         message.starts_with("error: stdout: cannot be written; free space"),
         "{message}"

@@ -7,28 +7,13 @@ use std::fs;
 use std::path::Path;
 
 use crate::command::specval;
-
-fn succeed(folder: &Path, arguments: &[&str]) -> String {
-    let output = specval(folder, arguments);
-    assert!(
-        output.status.success(),
-        "{arguments:?}: {}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    String::from_utf8(output.stdout).unwrap()
-}
+use crate::runs::{printed, refusal};
 
 /// A run that refuses its input: exit code 2, a message with every one of `words`, no panic, nothing left behind.
 fn refuse(study: &str, arguments: &[&str], words: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("study.toml"), study).unwrap();
-    let output = specval(folder.path(), arguments);
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{study}: {message}");
-    assert!(
-        message.starts_with("error: ") && !message.contains("panicked"),
-        "{message}"
-    );
+    let message = refusal(folder.path(), arguments);
     for word in words {
         assert!(message.contains(word), "{message:?} does not say {word:?}");
     }
@@ -83,7 +68,7 @@ fn report_is_whole_and_the_same_bytes_on_any_number_of_threads() {
 fn report_files(study: &str, estimator: &str, threads: &str) -> Vec<(String, Vec<u8>)> {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("study.toml"), study).unwrap();
-    let text = succeed(
+    let text = printed(
         folder.path(),
         &["report", "study.toml", "--out", "out", "--threads", threads, "--quiet"],
     );
@@ -154,15 +139,15 @@ fn a_result_is_drawn_again_to_the_same_bytes() {
         // Few paths leave errors unknown and withhold verdicts: null in the file.
         for paths in ["8", "2000"] {
             let traced = ["report", "study.toml", "--paths", paths, "--out", "traced", "--force"];
-            succeed(folder.path(), &traced);
+            printed(folder.path(), &traced);
             let traced = files_of(&folder.path().join("traced"));
-            succeed(
+            printed(
                 folder.path(),
                 &["report", "--from", "traced/result.json", "--out", "drawn", "--force"],
             );
             assert!(traced == files_of(&folder.path().join("drawn")), "{paths}");
             // Also into its own folder, where only files that it wrote stand.
-            succeed(folder.path(), &["report", "--from", "traced", "--out", "traced"]);
+            printed(folder.path(), &["report", "--from", "traced", "--out", "traced"]);
             assert!(traced == files_of(&folder.path().join("traced")), "{paths}");
         }
     }
@@ -198,7 +183,7 @@ fn file_that_is_no_result_is_refused() {
 fn quick_report_agrees_with_the_reference_report() {
     let folder = tempfile::tempdir().unwrap();
     let start = std::time::Instant::now();
-    succeed(folder.path(), &["report", "--quick", "--out", "out", "--quiet"]);
+    printed(folder.path(), &["report", "--quick", "--out", "out", "--quiet"]);
     let seconds = start.elapsed().as_secs_f64();
     // 15 s on two idle cores; the tests beside this one may have a core of them.
     assert!(seconds < 45.0, "{seconds} s");
@@ -226,12 +211,12 @@ fn quick_report_agrees_with_the_reference_report() {
 fn measured_curves_are_a_sample() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("study.toml"), SMALL).unwrap();
-    let text = succeed(
+    let text = printed(
         folder.path(),
         &["measure", "study.toml", "--out", "cloth.csv", "--seed", "2", "--quiet"],
     );
     assert!(text.contains("405 brightness factors"), "{text}");
-    let report: Value = serde_json::from_str(&succeed(
+    let report: Value = serde_json::from_str(&printed(
         folder.path(),
         &[
             "report",
@@ -256,7 +241,7 @@ fn trace_keeps_what_it_says() {
     const BINS: usize = specval::yarn::LengthBins::DEFAULT;
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("study.toml"), SMALL).unwrap();
-    let text = succeed(
+    let text = printed(
         folder.path(),
         &["trace", "study.toml", "--out", "yarn.trace", "--quiet"],
     );
@@ -291,7 +276,7 @@ fn trace_keeps_what_it_says() {
 fn validate_prints_its_checks() {
     let folder = tempfile::tempdir().unwrap();
     let checks: Value =
-        serde_json::from_str(&succeed(folder.path(), &["validate", "--paths", "10000", "--json"])).unwrap();
+        serde_json::from_str(&printed(folder.path(), &["validate", "--paths", "10000", "--json"])).unwrap();
     let checks = checks.as_array().unwrap();
     assert!(checks.len() > 200);
     for field in ["problem", "quantity", "value", "se", "reference", "z"] {
@@ -392,7 +377,7 @@ fn every_reading_of_a_sample_without_the_normal_is_accounted_for() {
             "--json",
             "--quiet",
         ];
-        serde_json::from_str(&succeed(folder.path(), &words)).unwrap()
+        serde_json::from_str(&printed(folder.path(), &words)).unwrap()
     };
     let own = report(SMALL, "own");
     let count = &own["readings"];
@@ -443,8 +428,8 @@ fn samples_are_compared_side_by_side() {
     .unwrap();
     let first = ["report", "study.toml", "--measured", "merl-red-fabric"];
     let others = ["--measured", "merl-red-fabric2", "--measured", "empty.csv"];
-    succeed(folder.path(), &[&first[..], &["--out", "one"]].concat());
-    let summary = succeed(folder.path(), &[&first[..], &others[..], &["--out", "all"]].concat());
+    printed(folder.path(), &[&first[..], &["--out", "one"]].concat());
+    let summary = printed(folder.path(), &[&first[..], &others[..], &["--out", "all"]].concat());
     for words in [
         "model and classical against measured:",
         "model and classical against measured-2:",
@@ -468,7 +453,7 @@ fn samples_are_compared_side_by_side() {
         read("all/graph1.svg").contains("merl-red-fabric2"),
         "the legend names the second sample"
     );
-    succeed(folder.path(), &["report", "--from", "all", "--out", "again"]);
+    printed(folder.path(), &["report", "--from", "all", "--out", "again"]);
     assert_eq!(read("again/graph4.svg"), read("all/graph4.svg"));
     assert_eq!(read("again/report.json"), read("all/report.json"));
 }

@@ -7,6 +7,7 @@ use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::command::{command, specval};
+use crate::runs::refusal;
 
 /// About two seconds: 16 batches in four rounds. No sample uncertainty, so that curves have Monte Carlo errors alone.
 const STUDY: &str = "
@@ -83,18 +84,6 @@ fn interrupt(folder: &Path, arguments: &[&str], state: &str) {
     }
     kill(child);
     assert!(folder.join(state).exists());
-}
-
-/// The message of a run that refuses its input.
-fn refusal(folder: &Path, arguments: &[&str]) -> String {
-    let output = specval(folder, arguments);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-    assert!(
-        message.starts_with("error: ") && !message.contains("panicked") && output.stdout.is_empty(),
-        "{message}"
-    );
-    message
 }
 
 /// Every file of the report, and with them that there is no other.

@@ -10,6 +10,7 @@ use std::time::Duration;
 use tempfile::TempDir;
 
 use crate::command::{command, specval};
+use crate::runs::refusal;
 
 /// A study of 16 batches that runs in a fraction of a second.
 const STUDY: &str = "
@@ -31,7 +32,7 @@ z_cells = 4
 tilts = 3
 ";
 
-/// What a run that succeeds prints.
+/// What a run that succeeds prints; it says nothing on stderr.
 fn succeed(folder: &Path, arguments: &[&str]) -> String {
     let output = specval(folder, arguments);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -45,14 +46,7 @@ fn succeed(folder: &Path, arguments: &[&str]) -> String {
 /// A run that refuses its input, says all the words, and leaves every file of the folder as it was.
 fn refuse(folder: &Path, arguments: &[&str], words: &[&str]) {
     let before = contents(folder);
-    let output = specval(folder, arguments);
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-    assert!(
-        message.starts_with("error: ") && !message.contains("panicked"),
-        "{message}"
-    );
-    assert!(output.stdout.is_empty(), "{arguments:?}");
+    let message = refusal(folder, arguments);
     for word in words {
         assert!(message.contains(word), "{message:?} does not say {word:?}");
     }

@@ -105,7 +105,7 @@ fn markdown_table_has_conventions_footnotes_and_notices() {
 #[test]
 fn committed_result_draws_the_committed_tables() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/preprint");
-    let data = read_result(&folder).unwrap();
+    let data = read_result(&folder).unwrap().data;
     let files = [
         ("table1.csv", table1_csv(&data).unwrap()),
         ("table1.md", table1_markdown(&data).into_bytes()),
@@ -244,7 +244,7 @@ fn notices_and_fallbacks_survive_the_result_file() {
     data.provenance.fallbacks = fallbacks.iter().map(|(fallback, _)| fallback.clone()).collect();
     let scratch = tempfile::tempdir().unwrap();
     std::fs::write(scratch.path().join(RESULT), result_json(&data).unwrap()).unwrap();
-    assert_eq!(read_result(scratch.path()).unwrap(), data);
+    assert_eq!(read_result(scratch.path()).unwrap().data, data);
     let document: serde_json::Value = serde_json::from_str(&report_json(&data).unwrap()).unwrap();
     let told = |list: &str, place: usize| document["provenance"][list][place].as_str().unwrap().to_owned();
     for (place, (notice, words)) in notices.iter().enumerate() {

@@ -190,5 +190,5 @@ fn second_sources_have_their_own_curve_label_and_footnote() {
     assert!(document["rmse"][0].get("sample").is_none());
     let scratch = tempfile::tempdir().unwrap();
     std::fs::write(scratch.path().join(RESULT), result_json(&data).unwrap()).unwrap();
-    assert_eq!(read_result(scratch.path()).unwrap(), data);
+    assert_eq!(read_result(scratch.path()).unwrap().data, data);
 }

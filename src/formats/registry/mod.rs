@@ -1,4 +1,4 @@
-//! The list of formats, and what is done with any of them: told, read and written.
+//! The list of formats: recognising, reading and writing files of any of them.
 //!
 //! A format is one file of this folder, which provides its descriptor, and is named twice here: as a module and in the
 //! list.
@@ -65,7 +65,7 @@ pub fn descriptor(format: Format) -> &'static Descriptor {
 /// How a format is written.
 ///
 /// # Errors
-/// A format that is read alone.
+/// A format that can only be read.
 pub fn writer(format: Format) -> Result<FormatWriter, WriteError> {
     descriptor(format).write.ok_or_else(|| {
         let written: Vec<&str> = targets().map(|(name, ..)| name).collect();

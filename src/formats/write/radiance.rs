@@ -16,7 +16,7 @@ use crate::goniometric::{
 /// Points along either side of a patch that its mean is taken over, exiting and incident.
 const EXITING: usize = 3;
 const INCIDENT: usize = 2;
-/// Share of a patch that the points of an integral stand for, from which on they are its mean.
+/// Fraction of a patch that the points of an integral have to cover for their mean to be that of the patch.
 const COVERED: f64 = 0.5;
 
 /// Klems matrices: the source's own, or means over the patches of Klems' full basis; Y, or X, Y, Z. Specular fractions
