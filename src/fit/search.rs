@@ -65,9 +65,11 @@ const SURVEY_SHARE: f64 = 0.2;
 const FIRST_REGION: f64 = 0.22;
 const SHRINK: f64 = 0.5;
 const LAST_REGION: f64 = 0.07;
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 10;
 /// Runs in a region over the number of coefficients of its emulator.
 const RUNS_A_COEFFICIENT: f64 = 2.0;
+/// Starts of a fit to the runs of the survey, and of one on an emulator.
+const STARTS: usize = 4;
 /// χ² of a traced point over the lowest so far up to which the search goes on from it: one run has noise.
 const AS_GOOD: f64 = 1.2;
 /// Share of the absorption found so far that paths are traced with: less leaves long paths for lower absorption, more
@@ -120,7 +122,7 @@ impl PhysicalModel<'_> {
             let runs: Vec<&ForwardRun> = members.iter().map(|&k| &state.pool.runs[k]).collect();
             let emulator = Emulator::new(self.forward, &runs, &centre, Batches::All)?;
             let start = Some(best.parameters.clone());
-            let solution = self.fit(&emulator, kept, [&low, &high], start, 3, settings.seed)?;
+            let solution = self.fit(&emulator, kept, [&low, &high], start, STARTS, settings.seed)?;
             let point = self.split(&solution.parameters).point.to_vec();
             let edges = low.iter().zip(&high).map(|(low, high)| 0.05 * (high - low));
             let inside = (point.iter().zip(low.iter().zip(&high)).zip(edges))
@@ -313,7 +315,8 @@ impl Search<'_, '_> {
             start[..point.len()].copy_from_slice(&point);
             start
         });
-        let starts = if start.is_none() { 4 } else { 1 };
+        // The survey must not be led by the first minimum that it meets.
+        let starts = if self.round == 0 { STARTS } else { 1 };
         self.model.fit(
             &emulator,
             self.kept,

@@ -14,7 +14,7 @@ use crate::number::shown;
 use crate::rig::{Geometry, omega_in, omega_out};
 use crate::shading::Specular;
 use crate::spectrum::{Samples, WavelengthGrid};
-use crate::study::{DyeChoice, FreeKey, KeyScale, MediumSection, NumberKey, NumberOrTable, Study, StudyError};
+use crate::study::{DyeChoice, FreeKey, KeyScale, MediumSection, NumberOrTable, Study, StudyError};
 use crate::yarn::Yarn;
 use ndarray::Array2;
 
@@ -117,10 +117,9 @@ impl StudyForward {
             };
             for name in free.keys() {
                 let section = name.split('.').next().unwrap_or_default();
-                let whole = NumberKey::find(&self.study, name, "fit.free")?.is_whole();
-                if whole || !["medium", "yarn", "weft", "cloth", "specular"].contains(&section) {
+                if !["medium", "yarn", "weft", "cloth", "specular"].contains(&section) {
                     return refuse(
-                        "keys of [medium], [yarn], [weft], [cloth] and [specular] that take any number of a range",
+                        "keys of [medium], [yarn], [weft], [cloth] and [specular]",
                         "leave it out",
                     );
                 }
@@ -132,7 +131,7 @@ impl StudyForward {
                     );
                 }
             }
-            let parameter = parameter_of(&self.study, &free)?;
+            let parameter = parameter_of(&free)?;
             if free.key.starts_with(GLOSS) && !self.study.specular.surface.is_of_yarns() {
                 self.gloss_parameters.push(parameter);
                 self.gloss_keys.push(free);
@@ -376,15 +375,15 @@ fn interpolated(samples: &Samples, nm: f64) -> f64 {
 fn set(study: &Study, free: &FreeKey, value: f64) -> Result<Study, StudyError> {
     let mut study = study.clone();
     for name in free.keys() {
-        study = NumberKey::find(&study, name, "fit.free")?.set(&study, value)?;
+        study = study.with_number(name, value, "fit.free")?;
     }
     Ok(study)
 }
 
-fn parameter_of(study: &Study, free: &FreeKey) -> Result<FreeParameter, StudyError> {
+fn parameter_of(free: &FreeKey) -> Result<FreeParameter, StudyError> {
     Ok(FreeParameter {
         name: free.key.clone(),
-        unit: NumberKey::find(study, &free.key, "fit.free")?.unit().into(),
+        unit: Study::unit_of(&free.key, "fit.free")?.into(),
         bounds: [free.min, free.max],
         scale: match free.scale {
             KeyScale::Linear => Scale::Linear,

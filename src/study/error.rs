@@ -61,3 +61,14 @@ fn did_you_mean(suggestion: &Option<String>) -> String {
 fn prefix(place: &Option<Box<FileLine>>) -> String {
     place.as_ref().map_or(String::new(), |p| format!("{p}: "))
 }
+
+/// The error of a study that TOML cannot hold.
+pub(super) fn unwritable(error: &toml::ser::Error) -> StudyError {
+    StudyError::Value {
+        place: None,
+        key: "study".into(),
+        expected: "values TOML can hold".into(),
+        found: error.to_string(),
+        remedy: "change the value".into(),
+    }
+}

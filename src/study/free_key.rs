@@ -1,10 +1,5 @@
 use serde::{Deserialize, Serialize};
 
-use super::StudyError;
-use super::keys::Study;
-use super::number_keys::NumberKey;
-use crate::number::shown;
-
 /// A key that a fit varies, as `[fit] free` has it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -69,61 +64,5 @@ impl FreeKey {
     /// All keys that take the value.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
         std::iter::once(self.key.as_str()).chain(self.also.iter().map(String::as_str))
-    }
-
-    /// Refuses keys that are no numbers, bounds that exclude each other or the key's range, and half a prior.
-    pub(super) fn check(&self, study: &Study) -> Result<(), StudyError> {
-        let refuse = |expected: String, found: String, remedy: &str| {
-            Err(StudyError::Value {
-                place: study.origin.place("fit.free"),
-                key: "fit.free".into(),
-                expected,
-                found,
-                remedy: remedy.into(),
-            })
-        };
-        let key = &self.key;
-        for name in self.keys() {
-            let number = NumberKey::find(study, name, "fit.free")?;
-            for bound in [self.min, self.max] {
-                if !number.allows(bound) {
-                    let found = format!("{} as a bound", shown(bound));
-                    return refuse(
-                        format!("bounds of `{name}` within its range, {}", number.range()),
-                        found,
-                        "change it",
-                    );
-                }
-            }
-        }
-        if self.min.is_nan() || self.max.is_nan() || self.min >= self.max {
-            let found = format!("min = {}, max = {}", shown(self.min), shown(self.max));
-            return refuse(
-                format!("a min of `{key}` below its max"),
-                found,
-                "exchange or widen them",
-            );
-        }
-        if self.scale == KeyScale::Log && self.min <= 0.0 {
-            let found = format!("min = {}", shown(self.min));
-            return refuse(
-                format!("a min of `{key}` above 0 for the scale \"log\""),
-                found,
-                "raise it, or take the scale \"linear\"",
-            );
-        }
-        match (self.prior_mean, self.prior_sd) {
-            (None, None) => Ok(()),
-            (Some(mean), Some(sd))
-                if mean.is_finite() && sd.is_finite() && sd > 0.0 && (self.scale == KeyScale::Linear || mean > 0.0) =>
-            {
-                Ok(())
-            }
-            (mean, sd) => refuse(
-                format!("prior_mean and prior_sd of `{key}` together, the second above 0"),
-                format!("prior_mean {mean:?}, prior_sd {sd:?}"),
-                "give both or neither",
-            ),
-        }
     }
 }

@@ -281,7 +281,7 @@ pub struct FitSection {
     /// neighbouring wavelengths, where nothing else is known of it.
     dye_roughness: f64 = 0.3, Number(above(0.0, 100.0)), "";
     /// Particles for each incidence and each wavelength at which scattering is traced, of one evaluation of the model.
-    particles: u64 = 40_000, PATHS, "";
+    particles: u64 = 8_000, PATHS, "";
     /// Azimuths of the cloth over which a batch averages where the sample is isotropic.
     azimuths: u32 = 2, Integer(1, 64), "";
     /// Largest degree of the polynomials of direction that expand the reflected radiance.

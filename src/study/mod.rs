@@ -11,8 +11,8 @@ mod commented;
 mod error;
 mod fields;
 mod free_key;
+mod free_key_check;
 mod keys;
-mod number_keys;
 mod old_keys;
 mod origin;
 mod parse;
@@ -33,7 +33,6 @@ pub use keys::{
     CheckSection, ClothSection, ColourSection, FitSection, MeasuredSection, MediumSection, RigSection, SpectrumSection,
     SpecularSection, Study, SweepSection, TraceSection, WeftSection, YarnSection,
 };
-pub use number_keys::NumberKey;
 pub use old_keys::{OldKey, OldKeyNow};
 pub use origin::Origin;
 pub use parse::study_of_any_age;
@@ -72,7 +71,7 @@ impl Study {
     /// For an invalid study only.
     pub fn to_toml(&self) -> Result<String, StudyError> {
         self.validate()?;
-        toml::to_string(self).map_err(|e| validate::unwritable(&e))
+        toml::to_string(self).map_err(|e| error::unwritable(&e))
     }
 
     /// The default study as TOML, each key with its meaning, unit and range.

@@ -1,7 +1,9 @@
 use toml::Value;
 
 use super::choices::{CentreLineChoice, SurfaceChoice};
+use super::error::unwritable;
 use super::fields::{self, Field, ValueKind};
+use super::free_key_check;
 use super::keys::{self, RigSection, SECTIONS, SpectrumSection, Study, TraceSection};
 use super::{FreeKey, StudyError};
 use crate::number::shown;
@@ -52,7 +54,11 @@ pub(super) fn study(study: &Study) -> Result<(), StudyError> {
 }
 
 fn fit(study: &Study) -> Result<(), StudyError> {
-    study.fit.free.iter().try_for_each(|free| free.check(study))?;
+    study
+        .fit
+        .free
+        .iter()
+        .try_for_each(|free| free_key_check::check(free, study))?;
     let mut keys: Vec<&str> = study.fit.free.iter().flat_map(FreeKey::keys).collect();
     keys.sort_unstable();
     if let Some(twice) = keys.windows(2).find(|pair| pair[0] == pair[1]) {
@@ -95,11 +101,6 @@ fn fibres(study: &Study) -> Result<(), StudyError> {
         }
     }
     Ok(())
-}
-
-/// The error of a study that TOML cannot hold.
-pub(super) fn unwritable(error: &toml::ser::Error) -> StudyError {
-    value("study", "values TOML can hold", error.to_string(), "change the value")
 }
 
 fn value(

@@ -1,10 +1,9 @@
 //! Numbers of a study that another program part varies by the names of their keys.
 
+use super::error::{FileLine, StudyError, unwritable};
 use super::fields::{self, Field, ValueKind};
 use super::keys::{self, SECTIONS, Study};
 use super::parse::closest;
-use super::validate::unwritable;
-use super::{FileLine, StudyError};
 use toml::Value;
 
 impl Study {
@@ -57,6 +56,14 @@ impl Study {
         Ok(study)
     }
 
+    /// Unit of a key's number; empty for a number without dimension.
+    ///
+    /// # Errors
+    /// As [`Study::with_number`].
+    pub fn unit_of(key: &str, option: &'static str) -> Result<&'static str, StudyError> {
+        Ok(find(key, option)?.1.unit)
+    }
+
     /// Whether the values of a key are whole numbers, and multiples of which.
     ///
     /// # Errors
@@ -86,7 +93,7 @@ fn is_numeric(field: &Field) -> bool {
 }
 
 /// The section and row of a key that takes a number.
-fn find(key: &str, option: &'static str) -> Result<(&'static str, &'static Field), StudyError> {
+pub(super) fn find(key: &str, option: &'static str) -> Result<(&'static str, &'static Field), StudyError> {
     let (section, name) = key.split_once('.').unwrap_or(("", key));
     let all = || {
         SECTIONS

@@ -14,9 +14,9 @@ mod check_gates;
 mod check_sample;
 mod commands;
 mod examples;
+mod fit;
 mod formats;
 mod formats_usual;
-
 mod memory;
 mod no_nan;
 mod outputs;
