@@ -1,7 +1,7 @@
 //! What was typed: one file per subcommand, and what all of them share.
 //!
 //! Exit codes: 0 done, 2 bad input, with the reason on stderr; of `check` 1 for a broken law, 2 also for one it cannot
-//! tell. A reader that closes stdout early is no error.
+//! tell; of `compare` 1 where a classical model is better, 2 also where it cannot tell. A reader that closes stdout early is no error.
 
 pub mod bsdf;
 pub mod check;

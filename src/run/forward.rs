@@ -270,10 +270,7 @@ impl StudyForward {
                     remedy: "set fit.dye = \"free\", or give both the same dye".into(),
                 }));
             }
-            let backing = match &self.backing {
-                Some(reflectance) => Some(interpolated(reflectance, *nm)),
-                None => None,
-            };
+            let backing = self.backing.as_ref().map(|reflectance| interpolated(reflectance, *nm));
             nodes.push(ScatteringNode {
                 yarns,
                 backing,

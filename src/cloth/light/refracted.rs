@@ -178,3 +178,59 @@ impl Bend {
             .then_some(Self { tangents, turns })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloth::ClothSpec;
+    use crate::rig::omega_out;
+    use approx::assert_relative_eq;
+
+    /// Snell's law holds at the surface, and the ratio of solid angles is that of differences.
+    #[test]
+    fn ways_out_are_refracted_towards_the_view() {
+        let spec = ClothSpec {
+            warp_flattening: 2.0,
+            weft_flattening: 2.0,
+            warp_spacing_mm: 0.62,
+            weft_spacing_mm: 0.62,
+            ..ClothSpec::default()
+        };
+        let (cloth, index) = (Cloth::new(&spec).unwrap(), 1.557);
+        let mut found = 0;
+        for k in 0..200 {
+            let [x, y] = [0.618, 0.414].map(|step: f64| (step * f64::from(k)).fract() * 1.24);
+            let Some(hit) = cloth.first_hit(Vec3::new(x, y, 1.0), -Vec3::z()) else {
+                continue;
+            };
+            let from = hit.position - hit.frame.normal * (0.002 + 0.02 * f64::from(k % 5));
+            let system = hit.yarn.system;
+            let towards = omega_out(f64::from(k % 13) * 10.0 - 60.0, f64::from(k % 7) * 25.0);
+            let Some(way) = Refracted::find(&cloth, system, index, from, towards) else {
+                continue;
+            };
+            found += 1;
+            assert_relative_eq!(way.position, from + way.direction * way.length_mm, epsilon = 1e-7);
+            let normal = Vec3::from(cloth.surface(system, way.position.into()).1);
+            // n sin θ inside = sin θ outside, in one plane.
+            let [inside, outside] = [way.direction, towards].map(|d| d - normal * d.dot(&normal));
+            assert_relative_eq!(inside * index, outside, epsilon = 1e-5);
+            let step = 1e-4;
+            let across = towards.cross(&Vec3::new(0.3, 0.5, 0.8)).normalize();
+            let turned = |along: Vec3| {
+                let of = |sign: f64| {
+                    let towards = (towards + along * (sign * step)).normalize();
+                    Some(Refracted::find(&cloth, system, index, from, towards)?.direction)
+                };
+                Some((of(1.0)? - of(-1.0)?) / (2.0 * step))
+            };
+            let (Some(a), Some(b)) = (turned(across), turned(towards.cross(&across))) else {
+                continue;
+            };
+            // The curvature of the arcs jumps where they meet the straights.
+            let difference = (a.cross(&b).norm() / way.solid_angle_ratio - 1.0).abs();
+            assert!(difference < 2e-2, "{k}: {difference}");
+        }
+        assert!(found > 120, "{found}");
+    }
+}
