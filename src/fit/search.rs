@@ -58,6 +58,9 @@ pub struct PhysicalFit {
 /// each.
 const SURVEY: usize = 6;
 const SURVEY_SHARE: f64 = 0.2;
+/// The same of runs in a trust region, and in the last one, whose noise is that of the result.
+const REGION_SHARE: f64 = 0.5;
+const LAST_SHARE: f64 = 2.0;
 /// Half width of the first trust region, in coordinates, factor by which it shrinks, and half width at which the search
 /// ends.
 const FIRST_REGION: f64 = 0.22;
@@ -109,9 +112,14 @@ impl PhysicalModel<'_> {
             };
             let centre = self.split(&best.parameters).point.to_vec();
             let (low, high) = around(&centre, region);
-            state.fill(&low, &high)?;
+            let share = if region <= LAST_REGION {
+                LAST_SHARE
+            } else {
+                REGION_SHARE
+            };
+            state.fill(&low, &high, share)?;
             let (mut low, mut high) = (low, high);
-            let mut members = state.members(&low, &high);
+            let mut members = state.members(&low, &high, share);
             if members.is_empty() {
                 // Stopped before the region had runs: the best run alone, whose coordinates stay.
                 members.extend(state.pool.runs.iter().position(|run| run.point == centre));
@@ -224,19 +232,19 @@ impl Search<'_, '_> {
         Ok(())
     }
 
-    /// Traces points until the region has runs for its emulator.
-    fn fill(&mut self, low: &[f64], high: &[f64]) -> Result<(), FitError> {
+    /// Traces points until the region has runs of a share of the particles for its emulator.
+    fn fill(&mut self, low: &[f64], high: &[f64], share: f64) -> Result<(), FitError> {
         let coordinates = low.len();
         if coordinates == 0 {
             return Ok(());
         }
         let wanted = (RUNS_A_COEFFICIENT * Emulator::coefficients(coordinates) as f64).ceil() as usize;
-        let missing = wanted.saturating_sub(self.members(low, high).len());
+        let missing = wanted.saturating_sub(self.members(low, high, share).len());
         for point in self.latin_hypercube(low, high, missing) {
             if self.stopped {
                 break;
             }
-            self.trace(&point, 1.0)?;
+            self.trace(&point, share)?;
         }
         Ok(())
     }
@@ -245,7 +253,7 @@ impl Search<'_, '_> {
     /// Returns whether it did.
     fn follow(&mut self, point: &[f64]) -> Result<bool, FitError> {
         let before = self.best.clone();
-        self.trace(point, 1.0)?;
+        self.trace(point, REGION_SHARE)?;
         let found = self.fit_run(self.pool.runs.len() - 1)?;
         let good = before.is_none_or(|before| found.chi2 < AS_GOOD * before.chi2);
         if good {
@@ -254,11 +262,11 @@ impl Search<'_, '_> {
         Ok(good)
     }
 
-    /// Runs in a region with all of the particles.
-    fn members(&self, low: &[f64], high: &[f64]) -> Vec<usize> {
+    /// Runs in a region with at least a share of the particles.
+    fn members(&self, low: &[f64], high: &[f64], share: f64) -> Vec<usize> {
         let inside = |run: &ForwardRun| {
             let bounds = low.iter().zip(high);
-            run.share >= 1.0
+            run.share >= share
                 && run
                     .point
                     .iter()
