@@ -1,7 +1,7 @@
 //! The keys as text: the study file that `specval init` writes, and docs/study.md.
 
 use super::fields::{Section, path};
-use super::keys::{SECTIONS, Study};
+use super::keys::{FitSection, SECTIONS, Study};
 use super::old_keys::{FORMER_KEYS, Now};
 
 const STUDY_HEADER: &str = "\
@@ -66,7 +66,11 @@ pub(super) fn page_of_keys() -> String {
 
 /// Calls with every section and the defaults of its keys.
 fn each_section(mut write: impl FnMut(&Section, &dyn Fn(&str) -> Option<toml::Value>)) {
-    let defaults = toml::Table::try_from(Study::default()).unwrap_or_default();
+    let mut defaults = toml::Table::try_from(Study::default()).unwrap_or_default();
+    // A study leaves this section out where it is the default.
+    if let Ok(fit) = toml::Table::try_from(FitSection::default()) {
+        defaults.insert("fit".into(), toml::Value::Table(fit));
+    }
     for section in SECTIONS {
         let values = match section.name {
             "" => Some(&defaults),

@@ -137,7 +137,7 @@ fn every_documented_choice_is_accepted() {
             }
         }
     }
-    assert_eq!(tried, 31 + Weave::NAMES.len());
+    assert_eq!(tried, 33 + Weave::NAMES.len());
 }
 
 #[test]

@@ -183,7 +183,6 @@ impl Bend {
 mod tests {
     use super::*;
     use crate::cloth::ClothSpec;
-    use crate::rig::omega_out;
     use approx::assert_relative_eq;
 
     /// Snell's law holds at the surface, and the ratio of solid angles is that of differences.
@@ -192,20 +191,21 @@ mod tests {
         let spec = ClothSpec {
             warp_flattening: 2.0,
             weft_flattening: 2.0,
-            warp_spacing_mm: 0.62,
-            weft_spacing_mm: 0.62,
+            warp_spacing_mm: 0.66,
+            weft_spacing_mm: 0.66,
             ..ClothSpec::default()
         };
         let (cloth, index) = (Cloth::new(&spec).unwrap(), 1.557);
         let mut found = 0;
         for k in 0..200 {
-            let [x, y] = [0.618, 0.414].map(|step: f64| (step * f64::from(k)).fract() * 1.24);
+            let [x, y] = [0.618, 0.414].map(|step: f64| (step * f64::from(k)).fract() * 1.32);
             let Some(hit) = cloth.first_hit(Vec3::new(x, y, 1.0), -Vec3::z()) else {
                 continue;
             };
             let from = hit.position - hit.frame.normal * (0.002 + 0.02 * f64::from(k % 5));
             let system = hit.yarn.system;
-            let towards = omega_out(f64::from(k % 13) * 10.0 - 60.0, f64::from(k % 7) * 25.0);
+            let [theta, phi] = [f64::from(k % 13) * 10.0 - 60.0, f64::from(k % 7) * 25.0].map(f64::to_radians);
+            let towards = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
             let Some(way) = Refracted::find(&cloth, system, index, from, towards) else {
                 continue;
             };
