@@ -117,11 +117,17 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
                 .into(),
         );
     }
+    // A cloth that cannot be traced as stated, such as one of two dyes, has no curve before.
+    let before = match stated.beta() {
+        Ok(before) => Some(before),
+        Err(error) => {
+            notices.push(format!("there is no curve of the study as stated: {error}"));
+            None
+        }
+    };
     for notice in &notices {
         terminal.notice(notice);
     }
-    // A cloth that cannot be traced as stated, such as one of two dyes, has no curve before.
-    let before = stated.beta().ok();
     let watch = watch(terminal, arguments.max_time);
     let outcome = plan.fit(&watch)?;
     let kept: Vec<usize> = (0..plan.readings.geometries.len()).collect();

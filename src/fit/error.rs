@@ -11,7 +11,7 @@ pub enum FitError {
         found: &'static str,
         remedy: &'static str,
     },
-    #[error("{sample}: expected reflection, which {model} describes, found transmission; fit a physical model to it")]
+    #[error("{sample}: expected reflection, which {model} describes, found transmission; take a sample of reflection")]
     Transmission { sample: String, model: &'static str },
     #[error(
         "expected at most as many free parameters as readings, found {parameters} free parameters ({names}) and \

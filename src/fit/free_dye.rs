@@ -15,9 +15,12 @@ pub struct FreeDye {
 
 /// Nodes for channels blue, green and red: about where each sees most.
 const RGB_NODES_NM: [f64; 3] = [450.0, 545.0, 630.0];
+/// The one node of a grey sample: where the eye sees most.
+const LUMINANCE_NODE_NM: f64 = 555.0;
 
 impl FreeDye {
-    /// One node for each channel: of wavelengths those themselves, regularised; of red, green and blue three bands.
+    /// One node for each channel: of wavelengths those themselves, regularised; of red, green and blue three bands;
+    /// of luminance alone one value at all wavelengths.
     pub fn for_channels(channels: &[Channel], bounds_per_mm: [f64; 2], roughness: f64) -> Self {
         let wavelengths: Vec<f64> = (channels.iter())
             .filter_map(|channel| match channel {
@@ -25,9 +28,10 @@ impl FreeDye {
                 _ => None,
             })
             .collect();
-        let (nodes_nm, roughness) = match wavelengths.is_empty() {
-            true => (RGB_NODES_NM.to_vec(), None),
-            false => (wavelengths, Some(roughness)),
+        let (nodes_nm, roughness) = match (wavelengths.is_empty(), channels) {
+            (true, [Channel::Luminance]) => (vec![LUMINANCE_NODE_NM], None),
+            (true, _) => (RGB_NODES_NM.to_vec(), None),
+            (false, _) => (wavelengths, Some(roughness)),
         };
         Self {
             names: (nodes_nm.iter()).map(|nm| format!("absorption at {nm} nm")).collect(),

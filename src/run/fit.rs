@@ -2,7 +2,8 @@
 
 use super::{RunError, StudyForward};
 use crate::fit::{
-    FitReadings, ForwardModel, ForwardPool, FreeDye, PhysicalCandidate, PhysicalFit, PhysicalModel, SearchProgress,
+    FitError, FitReadings, ForwardModel, ForwardPool, FreeDye, PhysicalCandidate, PhysicalFit, PhysicalModel,
+    SearchProgress,
 };
 use crate::sample::Sample;
 use crate::study::{DyeChoice, MethodChoice, NumberOrTable, Study};
@@ -42,6 +43,12 @@ impl FitPlan {
     /// Errors of the study, of a sample without readings, and of keys that no fit varies.
     pub fn new(study: Study, sample: &Sample) -> Result<Self, RunError> {
         let readings = FitReadings::new(sample, &study.colour.convention()?)?;
+        if readings.transmission {
+            return Err(RunError::Fit(FitError::Transmission {
+                sample: sample.name().into(),
+                model: "the light that a fit traces",
+            }));
+        }
         let isotropic = sample.is_isotropic() == Some(true);
         Ok(Self {
             forward: StudyForward::new(study.clone(), &readings, isotropic)?,

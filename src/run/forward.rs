@@ -69,7 +69,14 @@ impl StudyForward {
                 let system = ColourSystem::new(&grid, study.colour.convention()?)?;
                 system.require()?;
                 let weights = system.channel_weights();
-                Array2::from_shape_fn((3, grid.len()), |(channel, w)| weights[w][channel])
+                let column = |channel: &Channel| match channel {
+                    Channel::Red => 0,
+                    Channel::Green => 1,
+                    Channel::Blue => 2,
+                    Channel::Luminance | Channel::Wavelength(_) => 3,
+                };
+                let columns: Vec<usize> = readings.channels.iter().map(column).collect();
+                Array2::from_shape_fn((columns.len(), grid.len()), |(c, w)| weights[w][columns[c]])
             }
         };
         let backing = super::plan::backing(&study.cloth.backing, &grid, &mut inputs)?;

@@ -59,6 +59,16 @@ fn a_fit_writes_a_study_that_runs() {
     assert!(fs::read(written("fit.json")).unwrap() == first);
 }
 
+/// A grey sample has one channel, and one absorption.
+#[test]
+fn a_sample_of_luminance_alone_is_fitted() {
+    let folder = with_study(SMALL);
+    let document = json(folder.path(), &["fit", "s.toml", "--measured", "mecho-6216"]);
+    assert_eq!(document["parameters"].as_array().unwrap().len(), 2);
+    assert_eq!(document["parameters"][1]["name"], "absorption at 555 nm");
+    assert!(document["misfit"].as_f64().unwrap().is_finite());
+}
+
 #[test]
 fn a_fit_that_runs_out_of_time_says_so() {
     let folder = with_study("[fit]\nparticles = 64\n");
