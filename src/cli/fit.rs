@@ -130,6 +130,19 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     }
     let watch = watch(terminal, arguments.max_time);
     let outcome = plan.fit(&watch)?;
+    for (beta, model) in [(before.as_ref(), "as stated"), (Some(&outcome.fit.beta), "fitted")] {
+        let below = beta.map_or(0, |beta| beta.iter().filter(|beta| **beta < 0.0).count());
+        if below > 0 {
+            let notice = format!(
+                "model {model}: {below} of {} values of beta are below 0, as polynomials of degree {} do not resolve the light \
+                 that crosses its transparent yarns; raise fit.expansion_order and fit.particles, and check with `measure`",
+                plan.readings.len(),
+                outcome.study.fit.expansion_order
+            );
+            terminal.notice(&notice);
+            notices.push(notice);
+        }
+    }
     let kept: Vec<usize> = (0..plan.readings.geometries.len()).collect();
     let specular = run::Plan::new(study)?.specular;
     let rivals = Rival::all(specular, outcome.study.seed);
