@@ -53,8 +53,10 @@ struct Document<'a> {
     rounds: usize,
     /// Points that were traced.
     runs: usize,
-    /// Rms of (model − measured) / uncertainty, absolute β.
+    /// Rms of (model − measured) / uncertainty, absolute β, of a trace of its own at the parameters that were found.
     misfit: f64,
+    /// The same of the emulator of traced light with which they were found.
+    misfit_of_emulator: f64,
     misfit_as_stated: Option<f64>,
     /// The same of each incidence.
     misfit_by_incidence: Vec<[f64; 2]>,
@@ -88,7 +90,9 @@ struct CurveRow {
     measured: f64,
     measured_se: f64,
     stated: Option<f64>,
+    /// Of a trace of its own at the parameters that were found.
     fitted: f64,
+    /// Monte Carlo standard error of the emulator.
     fitted_se: f64,
     /// (fitted − measured) / measured_se.
     residual: f64,
@@ -130,7 +134,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
     }
     let watch = watch(terminal, arguments.max_time);
     let outcome = plan.fit(&watch)?;
-    for (beta, model) in [(before.as_ref(), "as stated"), (Some(&outcome.fit.beta), "fitted")] {
+    for (beta, model) in [(before.as_ref(), "as stated"), (Some(&outcome.traced), "fitted")] {
         let below = beta.map_or(0, |beta| beta.iter().filter(|beta| **beta < 0.0).count());
         if below > 0 {
             let notice = format!(
@@ -171,14 +175,15 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         converged: fit.converged,
         rounds: fit.rounds,
         runs: outcome.runs,
-        misfit: fit.rms,
+        misfit: of(&outcome.traced, &kept),
+        misfit_of_emulator: fit.rms,
         misfit_as_stated: before.as_ref().map(|before| of(before, &kept)),
         misfit_by_incidence: (readings.incidences_deg().into_iter())
             .map(|theta_i_deg| {
                 let places: Vec<usize> = (kept.iter().copied())
                     .filter(|&g| readings.geometries[g].theta_i_deg == theta_i_deg)
                     .collect();
-                [theta_i_deg, of(&fit.beta, &places)]
+                [theta_i_deg, of(&outcome.traced, &places)]
             })
             .collect(),
         monte_carlo_share: fit.noise,
@@ -218,7 +223,7 @@ fn files(
     document: &Document,
 ) -> Result<Vec<NamedFile>, Failure> {
     let fit = &outcome.fit;
-    let residuals = readings.residuals(&fit.beta);
+    let residuals = readings.residuals(&outcome.traced);
     let mut curves = csv::Writer::from_writer(Vec::new());
     for (g, geometry) in readings.geometries.iter().enumerate() {
         for (c, channel) in readings.channels.iter().enumerate() {
@@ -229,7 +234,7 @@ fn files(
                 measured: readings.beta[[g, c]],
                 measured_se: readings.se[[g, c]],
                 stated: before.map(|before| before[[g, c]]),
-                fitted: fit.beta[[g, c]],
+                fitted: outcome.traced[[g, c]],
                 fitted_se: fit.beta_se[[g, c]],
                 residual: residuals[[g, c]],
             })?;
@@ -264,8 +269,8 @@ fn files(
         CHART,
         FitCurves {
             readings,
-            before: before.unwrap_or(&fit.beta),
-            after: &fit.beta,
+            before: before.unwrap_or(&outcome.traced),
+            after: &outcome.traced,
         },
     )?);
     Ok(files)
@@ -280,8 +285,9 @@ fn absolute(study: &specval::study::Study) -> Result<specval::study::Study, Fail
 
 fn text(document: &Document, folder: &Path) -> String {
     let mut text = format!(
-        "misfit {:.2} of the readings' uncertainty ({} readings of {}{})\n",
+        "misfit {:.2} of the readings' uncertainty, {:.2} of the emulator ({} readings of {}{})\n",
         document.misfit,
+        document.misfit_of_emulator,
         document.readings,
         document.sample,
         match document.misfit_as_stated {

@@ -2,8 +2,8 @@
 
 use super::{RunError, StudyForward};
 use crate::fit::{
-    FitError, FitReadings, ForwardModel, ForwardPool, FreeDye, PhysicalCandidate, PhysicalFit, PhysicalModel,
-    SearchProgress,
+    Batches, Emulator, FitError, FitReadings, ForwardModel, ForwardPool, FreeDye, PhysicalCandidate, PhysicalFit,
+    PhysicalModel, SearchProgress,
 };
 use crate::sample::Sample;
 use crate::study::{DyeChoice, MethodChoice, NumberOrTable, Study};
@@ -31,9 +31,15 @@ pub struct FitOutcome {
     pub study: Study,
     /// Wavelength in nm and absorption in 1/mm; empty where the dye is fixed.
     pub dye: Vec<[f64; 2]>,
+    /// β at `[geometry][channel]` of a trace of its own at the parameters that were found. The emulator that they were
+    /// found with is nearer to the readings, as it was chosen for that.
+    pub traced: Array2<f64>,
     /// Points that were traced.
     pub runs: usize,
 }
+
+/// Share of the particles of the trace at the parameters that a fit found.
+const CHECK_SHARE: f64 = 4.0;
 
 /// File of the fitted absorption, beside the fitted study.
 pub const DYE_FILE: &str = "dye.csv";
@@ -111,6 +117,10 @@ impl FitPlan {
         let fit = candidate.search(&self.readings)?;
         let runs = candidate.pool.lock().map_or(0, |pool| pool.runs.len());
         let parameters = candidate.model.split(&fit.solution.parameters);
+        let added = candidate.model.mu_a_at_nodes(parameters.dye);
+        let run = self.forward.trace(parameters.point, &added, CHECK_SHARE)?;
+        let emulator = Emulator::new(&self.forward, &[&run], parameters.point, Batches::All)?;
+        let traced = candidate.model.beta(&emulator, &fit.solution.parameters)?;
         let (study, _) = self.forward.study_at(parameters.point)?;
         let mut study = self.forward.with_gloss(&study, parameters.gloss)?;
         study.cloth.method = MethodChoice::Volumetric;
@@ -124,6 +134,12 @@ impl FitPlan {
             study.weft.kappa_peak = study.weft.kappa_peak.map(|_| 0.0);
             study.weft.host_mu_a_per_mm = None;
         }
-        Ok(FitOutcome { fit, study, dye, runs })
+        Ok(FitOutcome {
+            fit,
+            study,
+            dye,
+            traced,
+            runs,
+        })
     }
 }
