@@ -1,10 +1,10 @@
 use super::{Failure, Options, Replace, Terminal, help, in_words, inputs_of, study};
 use clap::builder::NonEmptyStringValueParser;
 use serde::Serialize;
-use specval::fit::{Candidate, FitReadings, FittedParameter, Indistinct, Rival, SearchProgress, rms};
+use specval::fit::{Candidate, FitReadings, FittedParameter, Indistinct, SearchProgress, rms};
 use specval::output::{NamedFile, ReportFolder};
 use specval::report::{FitCurves, fit_panels};
-use specval::run::{self, DYE_FILE, FitOutcome, FitPlan, RunError};
+use specval::run::{DYE_FILE, FitOutcome, FitPlan, RunError};
 use specval::sample::Sample;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -148,8 +148,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         }
     }
     let kept: Vec<usize> = (0..plan.readings.geometries.len()).collect();
-    let specular = run::Plan::new(study)?.specular;
-    let rivals = Rival::all(specular, outcome.study.seed);
+    let rivals = plan.rivals()?;
     let rivals = rivals.iter().filter(|_| !plan.readings.transmission).map(|rival| {
         let fitted = rival.fit(&plan.readings)?;
         Ok(RivalRow {
@@ -163,10 +162,7 @@ pub fn run(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
         .collect::<Result<Vec<_>, specval::fit::FitError>>()
         .map_err(RunError::from)?;
     let readings = &plan.readings;
-    let of = |beta: &ndarray::Array2<f64>, places: &[usize]| {
-        let residuals = readings.residuals(beta);
-        rms(places.iter().flat_map(|&g| residuals.row(g).to_vec()))
-    };
+    let of = |beta: &ndarray::Array2<f64>, places: &[usize]| rms(readings.residuals_at(beta, places));
     let fit = &outcome.fit;
     let document = Document {
         sample: sample.name(),

@@ -55,16 +55,19 @@ impl PhysicalModel<'_> {
             .collect()
     }
 
-    /// Absorption added at each wavelength by the free dye, 1/mm.
+    /// Absorption that the free dye adds at each wavelength, 1/mm.
     pub fn added_mu_a_per_mm(&self, dye: &[f64]) -> Vec<f64> {
-        let at = |nm: &f64| self.dye.as_ref().map_or(0.0, |of| of.at(*nm, dye));
-        self.forward.wavelengths_nm().iter().map(at).collect()
+        self.absorption_at(self.forward.wavelengths_nm(), dye)
     }
 
-    /// Absorption that the free dye adds at the nodes where scattering is traced, 1/mm.
+    /// The same at the nodes where scattering is traced.
     pub fn mu_a_at_nodes(&self, dye: &[f64]) -> Vec<f64> {
+        self.absorption_at(self.forward.nodes_nm(), dye)
+    }
+
+    fn absorption_at(&self, nm: &[f64], dye: &[f64]) -> Vec<f64> {
         let at = |nm: &f64| self.dye.as_ref().map_or(0.0, |of| of.at(*nm, dye));
-        self.forward.nodes_nm().iter().map(at).collect()
+        nm.iter().map(at).collect()
     }
 
     /// β at `[geometry][channel]` of an emulator's light and of the gloss.
@@ -144,7 +147,7 @@ impl PhysicalProblem<'_> {
     /// [`FitError`] for values that the gloss cannot have.
     pub fn misfits(&self, parameters: &[f64]) -> Result<Vec<f64>, FitError> {
         let beta = self.model.beta(self.emulator, parameters)?;
-        Ok(misfits(self.model.readings, &beta, self.kept))
+        Ok(self.model.readings.residuals_at(&beta, self.kept))
     }
 }
 
@@ -159,14 +162,6 @@ impl Residuals for PhysicalProblem<'_> {
         residuals.extend(priors.filter_map(|(parameter, value)| parameter.prior_residual(*value)));
         Ok(residuals)
     }
-}
-
-/// (model − measured) / uncertainty at some geometries, channel by channel.
-pub fn misfits(readings: &FitReadings, beta: &Array2<f64>, kept: &[usize]) -> Vec<f64> {
-    let at = |g: usize| {
-        (0..readings.channels.len()).map(move |c| (beta[[g, c]] - readings.beta[[g, c]]) / readings.se[[g, c]])
-    };
-    kept.iter().flat_map(|&g| at(g)).collect()
 }
 
 /// What a fit says of its parameters.
@@ -262,7 +257,7 @@ impl PhysicalModel<'_> {
         let readings: Vec<Array1<f64>> = (by_batch.iter())
             .map(|emulator| {
                 let beta = self.beta(emulator, parameters)?;
-                Ok(Array1::from(misfits(self.readings, &beta, kept)))
+                Ok(Array1::from(self.readings.residuals_at(&beta, kept)))
             })
             .collect::<Result<_, FitError>>()?;
         let count = readings.len() as f64;

@@ -200,6 +200,12 @@ impl FitReadings {
         (model - &self.beta) / &self.se
     }
 
+    /// The same of some geometries, by their places, channel by channel.
+    pub fn residuals_at(&self, model: &Array2<f64>, places: &[usize]) -> Vec<f64> {
+        let residuals = self.residuals(model);
+        places.iter().flat_map(|&g| residuals.row(g).to_vec()).collect()
+    }
+
     /// r, g, b and y of values of the channels; none where the wavelengths cannot carry a colour.
     pub fn rgby_of(&self, channels: &[f64]) -> Option<[f64; 4]> {
         let weights = self.rgby.as_ref()?;

@@ -1,6 +1,6 @@
 use super::emulator::{Batches, Emulator};
 use super::forward::ForwardRun;
-use super::physical::{ParameterReport, PhysicalModel, misfits};
+use super::physical::{ParameterReport, PhysicalModel};
 use super::readings::rms;
 use super::{FitError, Solution};
 use crate::transport::{Purpose, Stream};
@@ -183,7 +183,7 @@ impl PhysicalModel<'_> {
         Ok(PhysicalFit {
             report: self.report(emulator, by_batch, kept, &solution)?,
             values: emulator.values(self.split(&solution.parameters).point),
-            rms: rms(misfits(self.readings, &beta, kept)),
+            rms: rms(self.readings.residuals_at(&beta, kept)),
             noise: rms(noise),
             beta,
             beta_se,

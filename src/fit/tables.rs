@@ -113,15 +113,18 @@ impl BetaTables {
         };
         let caught: Vec<Vec<f64>> = tasks.par_iter().map(trace).collect::<Result<_, _>>()?;
         let moments = RadianceMoments::new(effort.order, bins.clone(), 0.0, Vec::new());
+        let weights: Vec<Vec<f64>> = (geometries.iter())
+            .map(|geometry| moments.weights(geometry.theta_v_deg))
+            .collect();
         let mut amounts = Array4::zeros((effort.batches, nodes.len(), geometries.len(), bins.bins()));
         let mut lengths: Array3<f64> = Array3::zeros((nodes.len(), bins.bins(), 2));
         for ([batch, node, incidence, _], caught) in tasks.iter().zip(&caught) {
             let lit = |(_, geometry): &(usize, &Geometry)| geometry.theta_i_deg == incidences[*incidence];
-            for (view, (g, geometry)) in geometries.iter().enumerate().filter(lit).enumerate() {
-                let weights = moments.weights(geometry.theta_v_deg);
+            for (view, (g, _)) in geometries.iter().enumerate().filter(lit).enumerate() {
+                let weights = &weights[g];
                 for bin in 0..bins.bins() {
                     let beta: f64 = (weights.iter().enumerate())
-                        .map(|(k, weight)| weight * caught[moments.places(k, bin)[0]])
+                        .map(|(k, weight)| weight * caught[moments.place(k, bin)])
                         .sum();
                     let [connected, length] = moments.places_of_view(view, bin);
                     amounts[[*batch, *node, g, bin]] += (beta + caught[connected]) / azimuths as f64;

@@ -2,11 +2,11 @@
 //! those that they were not.
 
 use super::fit::FitWatch;
-use super::{FitPlan, Plan, RunError};
+use super::{FitPlan, RunError};
 use crate::colour::Convention;
 use crate::fit::{
     Candidate, ColourDifference, FitError, FitReadings, FitVerdict, Fitted, FittedParameter, LeftOut, Modelled,
-    Predictions, Rival, colour_differences, left_out, misfit_ratio, rms,
+    Predictions, colour_differences, left_out, misfit_ratio, rms,
 };
 use crate::sample::Sample;
 use crate::study::Study;
@@ -86,8 +86,7 @@ pub fn compare(
         let candidate = plan.candidate(name, "fitted", watch);
         physical.push(judge(&candidate, &plan.readings, &convention, with_left_out)?);
         if classical.is_empty() && !plan.readings.transmission {
-            let specular = Plan::new(study.clone())?.specular;
-            for rival in Rival::all(specular, study.seed) {
+            for rival in plan.rivals()? {
                 classical.push(judge(&rival, &plan.readings, &convention, with_left_out)?);
             }
         }

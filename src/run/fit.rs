@@ -1,9 +1,10 @@
 //! Fits of a study to a sample: the search, the study that it found, and the study as it stands beside it.
 
+use super::plan::specular;
 use super::{RunError, StudyForward};
 use crate::fit::{
     Batches, Emulator, FitError, FitReadings, ForwardModel, ForwardPool, FreeDye, PhysicalCandidate, PhysicalFit,
-    PhysicalModel, SearchProgress,
+    PhysicalModel, Rival, SearchProgress,
 };
 use crate::sample::Sample;
 use crate::study::{DyeChoice, MethodChoice, NumberOrTable, Study};
@@ -73,6 +74,14 @@ impl FitPlan {
         fixed.fit.free.clear();
         fixed.fit.dye = DyeChoice::Fixed;
         Self::new(fixed, sample)
+    }
+
+    /// The classical models, which start from the study's gloss.
+    ///
+    /// # Errors
+    /// A gloss that they cannot have.
+    pub fn rivals(&self) -> Result<Vec<Rival>, RunError> {
+        Ok(Rival::all(specular(&self.study.specular)?, self.study.seed))
     }
 
     /// The study as a model that is fitted to all readings or some.

@@ -12,7 +12,6 @@ use crate::fit::{
 };
 use crate::number::shown;
 use crate::rig::{Geometry, omega_in, omega_out};
-use crate::shading::Specular;
 use crate::spectrum::{Samples, WavelengthGrid};
 use crate::study::{DyeChoice, FreeKey, KeyScale, MediumSection, NumberOrTable, Study, StudyError};
 use crate::yarn::Yarn;
@@ -348,7 +347,7 @@ impl ForwardModel for StudyForward {
                 _ => {}
             }
         }
-        let specular = Specular::new(super::plan::distribution(&of), of.roughness, of.index, of.weight)?;
+        let specular = super::plan::specular(&of)?;
         let at = |geometry: &Geometry| {
             let (light, view) = (
                 omega_in(geometry.theta_i_deg, 0.0),

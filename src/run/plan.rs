@@ -80,7 +80,6 @@ impl Plan {
         let backing = backing(&study.cloth.backing, &grid, &mut inputs)?;
         let trace = &study.trace;
         let effort = |paths| Effort::new(study.seed, trace.batches as usize, paths);
-        let specular = &study.specular;
         let pixels = study.rig.pixels_per_side as usize;
         Ok(Self {
             yarn: yarn(&study, "medium", study.yarn.radius_mm, &study.medium, spectra, &grid)?,
@@ -93,12 +92,7 @@ impl Plan {
             cloth,
             cloth_spec,
             backing,
-            specular: Specular::new(
-                distribution(specular),
-                specular.roughness,
-                specular.index,
-                specular.weight,
-            )?,
+            specular: specular(&study.specular)?,
             fibres: fibres(&study)?,
             rig: Rig::new(study.rig.incidences_deg.clone(), study.rig.views_deg())?,
             pixels: PixelSamples::new(pixels, pixels)?,
@@ -288,12 +282,13 @@ pub(super) fn backing(
     Ok(Some(reflectance))
 }
 
-/// Distribution of the slopes that shine.
-pub(super) fn distribution(specular: &SpecularSection) -> Distribution {
-    match specular.distribution {
+/// Gloss about the cloth's normal.
+pub(super) fn specular(of: &SpecularSection) -> Result<Specular, ShadingError> {
+    let distribution = match of.distribution {
         DistributionChoice::Beckmann => Distribution::Beckmann,
         DistributionChoice::TrowbridgeReitz => Distribution::TrowbridgeReitz,
-    }
+    };
+    Specular::new(distribution, of.roughness, of.index, of.weight)
 }
 
 pub(super) fn fibres(study: &Study) -> Result<Option<FibreGloss>, ShadingError> {

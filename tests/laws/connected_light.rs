@@ -79,7 +79,7 @@ fn connected_light_is_what_cones_catch() {
                 let beta: f64 = (0..8)
                     .map(|bin| {
                         let rest: f64 = (weights.iter().enumerate())
-                            .map(|(k, weight)| weight * of[moments.places(k, bin)[0]][0])
+                            .map(|(k, weight)| weight * of[moments.place(k, bin)][0])
                             .sum();
                         rest + of[moments.places_of_view(view, bin)[0]][0]
                     })

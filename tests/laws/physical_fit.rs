@@ -152,6 +152,26 @@ fn readings(seed: u64) -> FitReadings {
     }
 }
 
+fn candidate<'a>(
+    forward: &'a Smooth,
+    readings: &'a FitReadings,
+    seed: u64,
+    watch: &'a (dyn Fn(&SearchProgress) -> ControlFlow<()> + Sync),
+) -> PhysicalCandidate<'a> {
+    PhysicalCandidate {
+        id: "smooth".into(),
+        label: "smooth".into(),
+        model: PhysicalModel {
+            forward,
+            readings,
+            dye: Some(FreeDye::for_channels(&readings.channels, [1e-3, 100.0], 0.3)),
+        },
+        seed,
+        watch,
+        pool: Mutex::new(ForwardPool::default()),
+    }
+}
+
 /// 95 % intervals of six parameters over 40 noises hold the hidden value at least 33 times each: by chance a right
 /// interval fails that once in 1,400, one of six once in 240; the seeds are fixed.
 #[test]
@@ -170,18 +190,7 @@ fn hidden_parameters_lie_in_their_intervals() {
     let (mut misfits, mut converged) = (0.0, 0);
     for seed in 0..40 {
         let readings = readings(seed);
-        let candidate = PhysicalCandidate {
-            id: "smooth".into(),
-            label: "smooth".into(),
-            model: PhysicalModel {
-                forward: &forward,
-                readings: &readings,
-                dye: Some(FreeDye::for_channels(&readings.channels, [1e-3, 100.0], 0.3)),
-            },
-            seed,
-            watch: &watch,
-            pool: Mutex::new(ForwardPool::default()),
-        };
+        let candidate = candidate(&forward, &readings, seed, &watch);
         let fit = candidate.search(&readings).unwrap();
         converged += usize::from(fit.converged);
         misfits += fit.rms / 40.0;
@@ -208,18 +217,7 @@ fn a_stopped_search_keeps_its_best_point_and_says_so() {
         0..4 => ControlFlow::Continue(()),
         _ => ControlFlow::Break(()),
     };
-    let candidate = PhysicalCandidate {
-        id: "smooth".into(),
-        label: "smooth".into(),
-        model: PhysicalModel {
-            forward: &forward,
-            readings: &readings,
-            dye: Some(FreeDye::for_channels(&readings.channels, [1e-3, 100.0], 0.3)),
-        },
-        seed: 1,
-        watch: &watch,
-        pool: Mutex::new(ForwardPool::default()),
-    };
+    let candidate = candidate(&forward, &readings, 1, &watch);
     let fit = candidate.search(&readings).unwrap();
     assert!(!fit.converged && fit.rms.is_finite() && fit.beta.iter().all(|beta| beta.is_finite()));
 }

@@ -102,21 +102,21 @@ impl RadianceMoments {
         weights
     }
 
-    /// Index of the bin of polynomial `k` at a length bin, and of its moment in path length.
-    pub fn places(&self, k: usize, length_bin: usize) -> [usize; 2] {
-        let first = 2 * (k * self.bins.bins() + length_bin);
-        [first, first + 1]
+    /// Index of the bin of polynomial `k` at a length bin.
+    pub fn place(&self, k: usize, length_bin: usize) -> usize {
+        k * self.bins.bins() + length_bin
     }
 
     /// Index of the bin of light connected to a view at a length bin, and of its moment in path length; in units of β.
     pub fn places_of_view(&self, view: usize, length_bin: usize) -> [usize; 2] {
-        self.places(self.polynomials() + view, length_bin)
+        let amount = self.place(self.polynomials() + 2 * view, length_bin);
+        [amount, amount + self.bins.bins()]
     }
 }
 
 impl Detector for RadianceMoments {
     fn bins(&self) -> usize {
-        2 * (self.polynomials() + self.views.len()) * self.bins.bins()
+        (self.polynomials() + 2 * self.views.len()) * self.bins.bins()
     }
 
     fn find(&self, direction: &Vec3, length_mm: f64, mut found: impl FnMut(usize, f64)) {
@@ -129,11 +129,7 @@ impl Detector for RadianceMoments {
             direction.y * cos - direction.x * sin,
         );
         let bin = self.bins.bin(length_mm);
-        self.values(x, y, |k, value| {
-            let [amount, moment] = self.places(k, bin);
-            found(amount, value);
-            found(moment, value * length_mm);
-        });
+        self.values(x, y, |k, value| found(self.place(k, bin), value));
     }
 
     fn views(&self) -> &[Vec3] {
